@@ -1,0 +1,36 @@
+# SPDX-FileCopyrightText: The kilter authors
+# SPDX-License-Identifier: BSD-3-Clause
+# Build options and the flags shared by every target of ours.
+option(KILTER_BUILD_TESTS "Build unit and integration tests" ${PROJECT_IS_TOP_LEVEL})
+option(KILTER_BUILD_FUZZ "Build libFuzzer targets (clang only)" OFF)
+option(KILTER_WARNINGS_AS_ERRORS "Treat warnings as errors" ${PROJECT_IS_TOP_LEVEL})
+set(KILTER_SANITIZE "" CACHE STRING "Sanitizers, e.g. address,undefined or thread")
+option(KILTER_COVERAGE "Instrument for line coverage" OFF)
+
+if(PROJECT_IS_TOP_LEVEL AND NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
+  set(CMAKE_BUILD_TYPE Release CACHE STRING "Build type" FORCE)
+endif()
+if(PROJECT_IS_TOP_LEVEL)
+  set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
+  set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR})
+  find_program(KILTER_CCACHE ccache)
+  if(KILTER_CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
+    set(CMAKE_CXX_COMPILER_LAUNCHER ${KILTER_CCACHE})
+  endif()
+endif()
+
+# Bits must not depend on the optimiser's mood: no fused multiply-add contraction, no fast-math.
+add_library(kilter_flags INTERFACE)
+target_compile_features(kilter_flags INTERFACE cxx_std_20)
+target_compile_options(kilter_flags INTERFACE
+  $<BUILD_INTERFACE:-Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion -ffp-contract=off>
+  $<BUILD_INTERFACE:$<$<BOOL:${KILTER_WARNINGS_AS_ERRORS}>:-Werror>>)
+if(KILTER_SANITIZE)
+  target_compile_options(kilter_flags INTERFACE
+    $<BUILD_INTERFACE:-fsanitize=${KILTER_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer>)
+  target_link_options(kilter_flags INTERFACE $<BUILD_INTERFACE:-fsanitize=${KILTER_SANITIZE}>)
+endif()
+if(KILTER_COVERAGE)
+  target_compile_options(kilter_flags INTERFACE $<BUILD_INTERFACE:--coverage -fprofile-update=atomic>)
+  target_link_options(kilter_flags INTERFACE $<BUILD_INTERFACE:--coverage>)
+endif()

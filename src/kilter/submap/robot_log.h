@@ -1,0 +1,36 @@
+// SPDX-FileCopyrightText: The kilter authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "kilter/base/expected.h"
+#include "kilter/geometry/point_cloud.h"
+#include "kilter/geometry/pose3.h"
+
+namespace kilter {
+
+/// What one robot (or one session) brings: a pose per cloud, and a way to read each cloud when it is needed. Scans of
+/// a mission are never all in memory.
+struct RobotLog {
+  std::string name;
+  /// Scans: T_world_sensor of each, undistorted, in order. Finished submaps: T_world_submap of each.
+  std::vector<Pose3> T_world_cloud;
+  /// Each cloud is a whole submap in its own frame, not a scan: no sensor origin, so no free space.
+  bool finished_submaps = false;
+  /// Reads cloud i (0-based), in its own frame. May be called from several threads at once.
+  std::function<Expected<PointCloud>(std::size_t)> read_cloud;
+  /// For messages: the file of cloud i.
+  std::function<std::string(std::size_t)> cloud_name;
+};
+
+/// A robot's scans cut into submaps: the half-open ranges' first scans and lasts, included. Sorted, no gaps.
+struct ScanRange {
+  std::size_t first = 0;
+  std::size_t last = 0;  ///< included
+  bool operator==(const ScanRange&) const = default;
+};
+
+}  // namespace kilter
