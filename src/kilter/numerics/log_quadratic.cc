@@ -35,8 +35,8 @@ constexpr double kDepth = 45.0;  // exp(-45) * 45^4 < 1e-13 of an ulp in every m
 // The v > 0 where the weight has fallen to exp(-kDepth); infinite if it never does.
 double reach(double slope, double curvature) {
   const double bend = 2.0 * kDepth * curvature;
-  // hypot: slope^2 may overflow when the parent is far narrower than its distance to the interval.
-  const double root = bend >= 0.0 ? std::hypot(slope, std::sqrt(bend)) : std::sqrt(slope * slope + bend);
+  // Neither form squares the slope, which may be huge: a parent far narrower than its distance to the interval.
+  const double root = bend >= 0.0 ? std::hypot(slope, std::sqrt(bend)) : slope * std::sqrt(1.0 + bend / slope / slope);
   const double sum = slope + root;
   // A negative curvature may keep the weight above the depth everywhere: root is NaN, and nothing is cut.
   return sum > 0.0 ? 2.0 * kDepth / sum : std::numeric_limits<double>::infinity();

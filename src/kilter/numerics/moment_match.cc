@@ -50,8 +50,7 @@ bool is_flat(double mean, double variance) {
   return most - least < kFlatLogRange;
 }
 
-// exp(a z + b z^2) on [low, high], b < 0, in units of the sample: z = (x - mean) / sd, so the target is E z = 0, E z^2
-// = 1.
+// exp(a z + b z^2) on [low, high], b < 0, in units of the sample: z = (x - mean) / sd. Sought: E z = 0 and E z^2 = 1.
 struct NaturalNormal {
   double a;
   double b;
