@@ -56,7 +56,7 @@ void fit_by_likelihood(const Moments& sample, double max_distance_m, Distributio
 
 std::vector<OptionField> fields(DistributionOptions& options) {
   return {
-      real_option("d", options.max_distance_m, Unit::kMetre, 1e-3, 100.0,
+      real_option("d", options.max_distance_m, Unit::kMetre, 0.01, 100.0,
                   "Largest distance at which two voxels are matched; upper end of the truncated Gaussian.", "d"),
       real_option("histogram_width", options.histogram_width_m, Unit::kMetre, 1e-4, 10.0,
                   "Bin width of the distance histograms that are written and drawn; no score depends on it."),
