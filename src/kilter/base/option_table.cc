@@ -2,14 +2,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "kilter/base/option_table.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <numbers>
 #include <numeric>
 #include <optional>
+
+#include <fmt/format.h>
 
 namespace kilter {
 namespace {
@@ -21,9 +21,8 @@ struct Suffix {
 };
 
 constexpr Suffix kSuffixes[] = {
-    {"m", Unit::kMetre, 1.0},      {"cm", Unit::kMetre, 0.01},
-    {"mm", Unit::kMetre, 0.001},   {"km", Unit::kMetre, 1000.0},
-    {"rad", Unit::kRadian, 1.0},   {"deg", Unit::kRadian, std::numbers::pi / 180.0},
+    {"m", Unit::kMetre, 1.0},     {"cm", Unit::kMetre, 0.01},  {"mm", Unit::kMetre, 0.001},
+    {"km", Unit::kMetre, 1000.0}, {"rad", Unit::kRadian, 1.0}, {"deg", Unit::kRadian, std::numbers::pi / 180.0},
     {"%", Unit::kRatio, 0.01},
 };
 

@@ -2,10 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "kilter/base/parallel.h"
 
-#include <gtest/gtest.h>
-
 #include <numeric>
 #include <stdexcept>
+
+#include <gtest/gtest.h>
 
 namespace kilter {
 namespace {
@@ -41,9 +41,7 @@ TEST(ParallelFor, RethrowsWhatTheBodyThrows) {
 TEST(ReduceBlocks, GivesTheSameBitsForAnyThreadCount) {
   std::vector<double> values(100000);
   for (std::size_t i = 0; i < values.size(); ++i) values[i] = 1.0 / static_cast<double>(i + 1);
-  const auto fold = [](std::span<const double> block) {
-    return Sum{std::accumulate(block.begin(), block.end(), 0.0)};
-  };
+  const auto fold = [](std::span<const double> block) { return Sum{std::accumulate(block.begin(), block.end(), 0.0)}; };
   const double one = reduce_blocks(std::span<const double>(values), Sum{}, {.threads = 1}, fold).value;
   const double four = reduce_blocks(std::span<const double>(values), Sum{}, {.threads = 4}, fold).value;
   EXPECT_EQ(one, four);

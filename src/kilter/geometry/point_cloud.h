@@ -2,9 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <Eigen/Core>
 #include <cstddef>
 #include <vector>
+
+#include <Eigen/Core>
 
 namespace kilter {
 
