@@ -21,7 +21,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 SCANS, STEP_M = 13, 2.0
-FAULT_FROM, FAULT_M = 6, 0.4
+FAULT_FROM, FAULT_M = 5, 0.4
 RINGS, LOWEST_RAD, HIGHEST_RAD = 32, math.radians(-28.0), math.radians(22.0)
 AZIMUTHS = 480
 SENSOR_HEIGHT_M, NOISE_M = 1.2, 0.01
