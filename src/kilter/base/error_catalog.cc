@@ -64,8 +64,6 @@ constexpr std::array kCatalog = {
 
 }  // namespace
 
-std::span<const CatalogEntry> error_catalog() {
-  return kCatalog;
-}
+std::span<const CatalogEntry> error_catalog() { return kCatalog; }
 
 }  // namespace kilter

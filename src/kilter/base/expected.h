@@ -4,7 +4,6 @@
 
 #include <string>
 #include <string_view>
-
 #include <tl/expected.hpp>
 
 namespace kilter {
@@ -49,9 +48,7 @@ using Expected = tl::expected<T, Error>;
 }
 
 /// Hands an error of another Expected upwards unchanged.
-[[nodiscard]] inline tl::unexpected<Error> pass_up(Error error) {
-  return tl::unexpected<Error>(std::move(error));
-}
+[[nodiscard]] inline tl::unexpected<Error> pass_up(Error error) { return tl::unexpected<Error>(std::move(error)); }
 
 /// "parse: poses.tum:12: expected 8 columns, found 7\n  try: ..." (the code's stable name first).
 [[nodiscard]] std::string to_string(const Error& error);

@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "kilter/base/expected.h"
 
-#include <set>
-
 #include <gtest/gtest.h>
+
+#include <set>
 
 #include "kilter/base/error_catalog.h"
 
@@ -33,9 +33,7 @@ TEST(Printable, KeepsUtf8AndReplacesWhatSteersTerminals) {
   EXPECT_EQ(printable("\xC2\x9B"), "??");
 }
 
-TEST(Printable, CutsLongText) {
-  EXPECT_EQ(printable("abcdef", 3), "abc...");
-}
+TEST(Printable, CutsLongText) { EXPECT_EQ(printable("abcdef", 3), "abc..."); }
 
 }  // namespace
 }  // namespace kilter

@@ -2,14 +2,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "kilter/base/option_table.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <numbers>
 #include <numeric>
 #include <optional>
-
-#include <fmt/format.h>
 
 namespace kilter {
 namespace {

@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "kilter/base/option_table.h"
 
-#include <numbers>
-
 #include <gtest/gtest.h>
+
+#include <numbers>
 
 namespace kilter {
 namespace {

@@ -2,10 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "kilter/base/parallel.h"
 
+#include <gtest/gtest.h>
+
 #include <numeric>
 #include <stdexcept>
-
-#include <gtest/gtest.h>
 
 namespace kilter {
 namespace {

@@ -64,9 +64,7 @@ Eigen::Isometry3d Pose3::isometry() const {
   return T;
 }
 
-double Pose3::angle_rad() const {
-  return 2.0 * std::atan2(rotation_.vec().norm(), std::abs(rotation_.w()));
-}
+double Pose3::angle_rad() const { return 2.0 * std::atan2(rotation_.vec().norm(), std::abs(rotation_.w())); }
 
 Pose3 Pose3::inverse() const {
   const Eigen::Quaterniond back = rotation_.conjugate();

@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "kilter/geometry/pose3.h"
 
-#include <numbers>
-
 #include <gtest/gtest.h>
+
+#include <numbers>
 #include <unsupported/Eigen/MatrixFunctions>
 
 #include "kilter/base/rng.h"
