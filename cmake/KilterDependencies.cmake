@@ -7,6 +7,7 @@ find_package(fmt REQUIRED)
 find_package(tl-expected REQUIRED)
 find_package(Threads REQUIRED)
 find_package(Boost 1.74 REQUIRED)
+find_package(nlohmann_json REQUIRED)
 
 # Not every distribution's liblzf brings a CMake or pkg-config file.
 if(NOT TARGET LZF::LZF)
