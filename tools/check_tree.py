@@ -37,17 +37,14 @@ def objections(text: str) -> list[str]:
 
 
 def unbuilt(root: Path) -> list[Path]:
-    """Files of modules and programs that no CMakeLists.txt of their folder or above names: nobody builds them."""
+    """Files below a CMakeLists.txt of a module or program that it does not name: nobody builds or installs them."""
     found = []
     for folder in (root / "src/kilter", root / "apps"):
-        for path in sorted(path for path in folder.rglob("*") if path.suffix in {".h", ".cc"}):
-            owner = path.parent
-            while owner != folder.parent and not (owner / "CMakeLists.txt").is_file():
-                owner = owner.parent
-            words = (owner / "CMakeLists.txt").read_text(encoding="utf-8").split()
-            name = path.relative_to(owner).as_posix()
-            if not any(word.strip("()\"") == name for word in words):
-                found.append(path)
+        for cmake_file in sorted(folder.glob("*/CMakeLists.txt")):
+            owner = cmake_file.parent
+            words = {word.strip('()"') for word in cmake_file.read_text(encoding="utf-8").split()}
+            files = (path for path in sorted(owner.rglob("*")) if path.suffix in {".h", ".cc"})
+            found += [path for path in files if path.relative_to(owner).as_posix() not in words]
     return found
 
 
