@@ -6,16 +6,20 @@
 #include <cmath>
 
 #include "kilter/registration/normal_equations.h"
+#include "kilter/registration/uncertainty.h"
 
 namespace kilter {
 namespace {
 
-constexpr double kShrink = 0.8;            // search distance, from one iteration to the next
-constexpr double kFinalSearchVoxels = 4.0; // and where that ends
+constexpr double kShrink = 0.7;             // search distance, from one level to the next
+constexpr double kFinalSearchVoxels = 4.0;  // and where that ends
+constexpr double kLevelSettled = 0.05;      // a step below this share of the search distance ends a level
+constexpr int kLevelIterations = 10;        // and so do this many steps
+constexpr double kKernelOfSearch = 0.5;     // kernel scale at least this share of the search distance, until the last
+constexpr double kFinalKernelVoxels = 0.5;  // level, where it is at least this many voxels
 constexpr double kLeastAgreement = 0.6;    // cosine between normals of matched voxels
 constexpr double kSmallStep_m = 2e-4;
 constexpr double kSmallTurn_rad = 2e-5;
-constexpr double kCell_m = 1.0;            // residuals of one cell are one observation
 
 struct Kernel {
   double scale_m;
@@ -64,9 +68,11 @@ double median_absolute_m(const std::vector<PlaneResidual>& residuals) {
   return *middle;
 }
 
-// Robust weights on top of planarity; the scale follows the residuals' own spread.
-void apply_kernel(std::vector<PlaneResidual>& residuals, double resolution_m) {
-  const Kernel kernel{std::max(2.0 * 1.4826 * median_absolute_m(residuals), 0.25 * resolution_m)};
+// Robust weights on top of planarity. The scale follows the residuals' own spread but never falls below `least_m`:
+// where floor and ceiling are most of the scene they fit whatever the walls say, and a scale taken from them alone
+// would cut the walls off before they could pull.
+void apply_kernel(std::vector<PlaneResidual>& residuals, double least_m) {
+  const Kernel kernel{std::max(2.0 * 1.4826 * median_absolute_m(residuals), least_m)};
   for (PlaneResidual& r : residuals) r.weight *= kernel.weight(r.residual_m);
 }
 
@@ -91,14 +97,18 @@ RegistrationResult align_point_to_plane(const NearestVoxelSearch& source, const 
     return count * stride >= static_cast<std::size_t>(options.min_matches) && count >= 20;
   };
   const double final_search_m = std::min(kFinalSearchVoxels * resolution_m, options.search_distance_m);
+  const double final_kernel_m = kFinalKernelVoxels * resolution_m;
   double search_m = options.search_distance_m;
   Pose3 T = start;
   bool settled = false;
+  int level_iterations = 0;
   while (!settled && result.iterations < options.max_iterations) {
     ++result.iterations;
+    ++level_iterations;
+    const bool last_level = search_m <= final_search_m;
     std::vector<PlaneResidual> residuals = match_planes(source, target, T, search_m, stride);
     if (!enough(residuals.size())) return result;
-    apply_kernel(residuals, resolution_m);
+    apply_kernel(residuals, last_level ? final_kernel_m : kKernelOfSearch * search_m);
     const NormalEquations equations = build_normal_equations(residuals);
     const ObservableSplit split = split_observable(equations);
     if (split.unobservable == 6) {
@@ -111,28 +121,24 @@ RegistrationResult align_point_to_plane(const NearestVoxelSearch& source, const 
       result.stop = StopReason::kOutOfRange;
       return result;
     }
-    const bool small = step.head<3>().norm() < kSmallStep_m && step.tail<3>().norm() < kSmallTurn_rad;
-    settled = small && search_m <= final_search_m;
-    search_m = std::max(search_m * kShrink, final_search_m);
+    settled = last_level && step.head<3>().norm() < kSmallStep_m && step.tail<3>().norm() < kSmallTurn_rad;
+    if (!last_level && (step.head<3>().norm() < kLevelSettled * search_m || level_iterations >= kLevelIterations)) {
+      search_m = std::max(search_m * kShrink, final_search_m);
+      level_iterations = 0;
+    }
   }
 
   std::vector<PlaneResidual> residuals = match_planes(source, target, T, final_search_m, 1);
   result.matches = residuals.size();
   if (residuals.size() < static_cast<std::size_t>(options.min_matches)) return result;
-  apply_kernel(residuals, resolution_m);
+  apply_kernel(residuals, final_kernel_m);
   const NormalEquations equations = build_normal_equations(residuals);
   const ObservableSplit split = split_observable(equations);
   result.stop = settled ? StopReason::kConverged : StopReason::kMaxIterations;
   result.T_target_source = T;
   result.residual_rms_m = std::sqrt(equations.squares_m2 / equations.weight);
-  result.centre_target_m = equations.centre_m;
   // Centroids of voxels sit within a tenth of a voxel of the surface they stand for.
-  const Matrix6 about_centre = cluster_covariance(residuals, equations, split, kCell_m, 0.05 * resolution_m,
-                                                  prior.translation_m, prior.rotation_rad);
-  result.covariance = covariance_in_source(about_centre, equations.centre_m, T);
-  for (int k = 0; k < split.unobservable; ++k) {
-    result.unobservable.emplace_back((equations.unscale * split.directions.col(k)).normalized());
-  }
+  describe_uncertainty(residuals, equations, split, 0.05 * resolution_m, prior, result);
   return result;
 }
 

@@ -59,6 +59,12 @@ struct RegistrationResult {
   /// scene does not fix hold the prior's variance.
   Matrix6 covariance = Matrix6::Zero();
   Eigen::Vector3d centre_target_m = Eigen::Vector3d::Zero();  ///< middle of the matched voxels, target frame
+  /// Mean of (p - centre)(p - centre)^T over the matched voxels, target axes. [m^2]
+  Eigen::Matrix3d scatter_m2 = Eigen::Matrix3d::Zero();
+  /// The same uncertainty as (v, w): p -> c + Exp(w) (p - c) + v about the centre, target axes; and the part of it
+  /// that was measured, zero along unobservable directions.
+  Matrix6 covariance_centre = Matrix6::Zero();
+  Matrix6 covariance_measured = Matrix6::Zero();
   /// Unit twists about `centre_target_m` along the target's axes that the scene does not fix.
   std::vector<Vector6> unobservable;
 

@@ -51,6 +51,17 @@ TEST(AlignSubmaps, PointToPlaneFindsTheTruthFromDriftedStarts) {
   }
 }
 
+// Floor and ceiling, most of the room, fit at every horizontal shift: only a few walls say where it belongs.
+TEST(AlignSubmaps, HorizontalShiftsAreNotHiddenByTheFloor) {
+  const TestPair pair = room_pair();
+  for (const auto& [x, y] : {std::pair(0.25, 0.0), std::pair(0.0, 0.25), std::pair(0.5, 0.0), std::pair(-0.4, 0.3)}) {
+    const RegistrationResult result =
+        run(pair, pose_at(x, y, 0.0, 0.0) * pair.T_target_source, RegistrationMethod::kPointToPlane);
+    ASSERT_TRUE(result.converged()) << to_string(result.stop);
+    EXPECT_LT((pair.T_target_source.inverse() * result.T_target_source).translation_m().norm(), 0.02) << x << " " << y;
+  }
+}
+
 TEST(AlignSubmaps, CovarianceCoversTheErrorButIsNotVast) {
   const TestPair pair = room_pair();
   const RegistrationResult result = run(pair, pair.T_target_source, RegistrationMethod::kPointToPlane);

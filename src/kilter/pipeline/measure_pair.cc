@@ -1,0 +1,141 @@
+// SPDX-FileCopyrightText: The kilter authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "kilter/pipeline/measure_pair.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace kilter {
+namespace {
+
+// Surfaces within this many voxels of each other are the same surface to the free-space test.
+constexpr double kConflictMarginVoxels = 2.0;
+// The prior on rotation where the scene leaves one open: what a front end may have turned by over a submap.
+constexpr double kPriorRotation_rad = 0.03;
+// A prior on translation never below this, however short the path between two submaps was. [m]
+constexpr double kLeastPrior_m = 0.05;
+
+PoseEvidence measure_at(const NearestVoxelSearch& source, const NearestVoxelSearch& target,
+                        const NearestVoxelSearch& source_centroids, const NearestVoxelSearch& target_centroids,
+                        const Pose3& T_target_source, const CheckOptions& options, DistanceSample& sample) {
+  PoseEvidence evidence;
+  sample = measure_distances(source.map(), target, T_target_source, options.matching);
+  evidence.matched = sample.matched();
+  evidence.overlap = sample.overlap();
+  evidence.mean_distance_m = sample.mean_euclidean_m;
+  if (sample.passes_gate(options.matching)) {
+    const Expected<DistributionFit> fit = fit_distribution(sample.distances_m, options.distribution);
+    if (fit) evidence.score = score_pair(*fit, target.map().resolution_m(), options.gamma);
+  }
+  evidence.conflict = measure_conflict(source_centroids, target_centroids, T_target_source,
+                                       kConflictMarginVoxels * target.map().resolution_m());
+  return evidence;
+}
+
+std::string gate_reason(const DistanceSample& sample, const CandidatePair& pair, const MatchingOptions& options) {
+  std::string reason = sample.matched() < static_cast<std::size_t>(options.matched_min)
+                           ? fmt::format("too little overlap: {} voxels match, {} are needed", sample.matched(),
+                                         options.matched_min)
+                           : fmt::format("too little overlap: {:.0f} % of the voxels match, {:.0f} % are needed",
+                                         100.0 * sample.overlap(), 100.0 * options.overlap_min);
+  const double shift_m = pair.predicted_shift_m.norm();
+  if (shift_m > 0.0 && pair.predicted_overlap >= options.overlap_min) {
+    reason += fmt::format("; moved by {:.1f} m, within what odometry may have drifted, it would overlap {:.0f} %",
+                          shift_m, 100.0 * pair.predicted_overlap);
+  }
+  return reason;
+}
+
+}  // namespace
+
+CheckOptions resolved(CheckOptions options) {
+  options.distribution.max_distance_m = options.matching.max_distance_m;
+  options.pairing.max_distance_m = options.matching.max_distance_m;
+  options.pairing.overlap_min = options.matching.overlap_min;
+  options.pairing.matched_min = options.matching.matched_min;
+  options.registration.search_distance_m = options.matching.max_distance_m;
+  options.registration.min_matches = std::min(options.registration.min_matches, options.matching.matched_min);
+  return options;
+}
+
+SubmapSearches build_searches(std::span<const Submap> submaps, const CheckOptions& options, const RunContext& run) {
+  std::vector<std::optional<NearestVoxelSearch>> by_position(submaps.size());
+  std::vector<std::optional<NearestVoxelSearch>> by_centroid(submaps.size());
+  const double reach_m = std::max(options.matching.max_distance_m,
+                                  kConflictMarginVoxels * options.submap.occupancy.resolution_m);
+  parallel_for(submaps.size(), run, [&](std::size_t i) {
+    by_position[i].emplace(submaps[i].map, options.matching.position, reach_m);
+    by_centroid[i].emplace(submaps[i].map, VoxelPosition::kCentroid, reach_m);
+  });
+  SubmapSearches searches;
+  for (std::size_t i = 0; i < submaps.size() && by_centroid[i]; ++i) {
+    searches.by_position.push_back(std::move(*by_position[i]));
+    searches.by_centroid.push_back(std::move(*by_centroid[i]));
+  }
+  return searches;
+}
+
+PairMeasurement measure_pair(std::span<const Submap> submaps, const SubmapSearches& searches, const CandidatePair& pair,
+                             const CheckOptions& options) {
+  const auto s = static_cast<std::size_t>(pair.id.source.value);
+  const auto t = static_cast<std::size_t>(pair.id.target.value);
+  PairMeasurement measurement;
+  PairEvidence& evidence = measurement.evidence;
+  evidence.id = pair.id;
+  evidence.kind = pair.kind;
+  evidence.T_target_source = submaps[t].T_world_submap.inverse() * submaps[s].T_world_submap;
+  const auto measure = [&](const Pose3& T, DistanceSample& sample) {
+    return measure_at(searches.by_position[s], searches.by_position[t], searches.by_centroid[s],
+                      searches.by_centroid[t], T, options, sample);
+  };
+  DistanceSample sample;
+  evidence.map = measure(evidence.T_target_source, sample);
+  if (sample.matched() > 0) {
+    if (auto histogram = histogram_distances(sample.distances_m, options.distribution)) measurement.histogram = *histogram;
+  }
+  evidence.overlaps = sample.passes_gate(options.matching);
+  if (!evidence.overlaps) {
+    evidence.gate = gate_reason(sample, pair, options.matching);
+    return measurement;
+  }
+  const bool oicp = options.registration.method == RegistrationMethod::kOicp;
+  const auto& by = oicp ? searches.by_position : searches.by_centroid;
+  const RegistrationPrior prior{std::max(pair.drift_allowance_m, kLeastPrior_m), kPriorRotation_rad};
+  evidence.registration = align_submaps(by[s], by[t], evidence.T_target_source, options.registration, prior);
+  if (!evidence.registration->converged()) return measurement;
+  DistanceSample registered_sample;
+  evidence.registered = measure(evidence.registration->T_target_source, registered_sample);
+  if (oicp && evidence.registered->score) measurement.theta_oicp_per_m3 = evidence.registered->score->gamma_per_m3;
+  return measurement;
+}
+
+PairResult pair_result(const PairMeasurement& measurement, const PairVerdict& verdict, const CheckOptions& options) {
+  const PairEvidence& evidence = measurement.evidence;
+  PairResult result;
+  result.id = evidence.id;
+  result.kind = evidence.kind;
+  result.overlap = evidence.map.overlap;
+  result.matched = evidence.map.matched;
+  result.max_distance_m = options.matching.max_distance_m;
+  result.histogram = measurement.histogram;
+  result.score = evidence.map.score;
+  result.theta_oicp_per_m3 = measurement.theta_oicp_per_m3;
+  result.verdict = verdict;
+  result.T_target_source = evidence.T_target_source;
+  if (evidence.registered) {
+    result.registered_score = evidence.registered->score;
+    result.T_target_source_registered = evidence.registration->T_target_source;
+    result.covariance = evidence.registration->covariance;
+    result.trusted = verdict.verdict != Verdict::kUnverified;
+  }
+  const auto gamma_of = [](const std::optional<PairScore>& score) {
+    return score ? score->gamma_per_m3 : std::nullopt;
+  };
+  const auto gamma = gamma_of(result.score);
+  const auto theta = gamma_of(result.registered_score);
+  if (gamma && theta) result.verified = *theta - *gamma;
+  return result;
+}
+
+}  // namespace kilter
