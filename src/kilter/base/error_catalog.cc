@@ -8,24 +8,28 @@ namespace kilter {
 namespace {
 
 constexpr std::array kCatalog = {
-    CatalogEntry{ErrorCode::kUsage, "usage",
-                 "The command line names an option, command or combination that does not exist. `kilter COMMAND --help` "
-                 "lists what does. Exit status 2."},
+    CatalogEntry{
+        ErrorCode::kUsage, "usage",
+        "The command line names an option, command or combination that does not exist. `kilter COMMAND --help` "
+        "lists what does. Exit status 2."},
     CatalogEntry{ErrorCode::kConfig, "config",
                  "A configuration key is unknown, its value is of the wrong type or unit, or lies outside its range. "
                  "`kilter config show` lists every key with unit and range. Exit status 2."},
     CatalogEntry{ErrorCode::kNotFound, "not-found",
                  "A file or folder that was named, or that the layout of a mission requires, does not exist. A robot's "
                  "folder holds `poses.*` and either `scans/` or `submaps/`. Exit status 3."},
-    CatalogEntry{ErrorCode::kIo, "io",
-                 "The operating system refused to open, read, write or rename a file; its own reason is in the message. "
-                 "Check permissions and that the path is a regular file. Exit status 3 for input, 5 for output."},
-    CatalogEntry{ErrorCode::kParse, "parse",
-                 "A file's header or text does not follow its format. The message names line or byte, what was expected "
-                 "and what was found. Exit status 3."},
-    CatalogEntry{ErrorCode::kTruncated, "truncated",
-                 "A file ends before the data that its header promises: usually an interrupted copy or a full disk while "
-                 "recording. Copy it again, or remove the scan and its pose. Exit status 3."},
+    CatalogEntry{
+        ErrorCode::kIo, "io",
+        "The operating system refused to open, read, write or rename a file; its own reason is in the message. "
+        "Check permissions and that the path is a regular file. Exit status 3 for input, 5 for output."},
+    CatalogEntry{
+        ErrorCode::kParse, "parse",
+        "A file's header or text does not follow its format. The message names line or byte, what was expected "
+        "and what was found. Exit status 3."},
+    CatalogEntry{
+        ErrorCode::kTruncated, "truncated",
+        "A file ends before the data that its header promises: usually an interrupted copy or a full disk while "
+        "recording. Copy it again, or remove the scan and its pose. Exit status 3."},
     CatalogEntry{ErrorCode::kCountMismatch, "count-mismatch",
                  "There must be exactly one pose per scan, in scan order. Both counts and the first missing one are in "
                  "the message. Exit status 3."},
@@ -45,11 +49,13 @@ constexpr std::array kCatalog = {
                  "building. Exit status 3."},
     CatalogEntry{ErrorCode::kInvalidArgument, "invalid-argument",
                  "A value handed to the library lies outside its documented domain. Exit status 2."},
-    CatalogEntry{ErrorCode::kOutOfMemory, "out-of-memory",
-                 "The budget of --memory, or the machine's memory, is used up. Raise it, use a coarser `resolution`, or "
-                 "limit `max_range`. Exit status 5."},
-    CatalogEntry{ErrorCode::kNoSpace, "no-space",
-                 "The disk that holds the output folder is full. Results already there were not touched. Exit status 5."},
+    CatalogEntry{
+        ErrorCode::kOutOfMemory, "out-of-memory",
+        "The budget of --memory, or the machine's memory, is used up. Raise it, use a coarser `resolution`, or "
+        "limit `max_range`. Exit status 5."},
+    CatalogEntry{
+        ErrorCode::kNoSpace, "no-space",
+        "The disk that holds the output folder is full. Results already there were not touched. Exit status 5."},
     CatalogEntry{ErrorCode::kCancelled, "cancelled",
                  "The run was stopped by a signal; nothing was written. Exit status 130 or 143."},
     CatalogEntry{ErrorCode::kInternal, "internal",

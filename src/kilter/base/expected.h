@@ -11,23 +11,23 @@ namespace kilter {
 /// Everything that can go wrong outside the program's own logic. Each has a stable name and an explanation
 /// (error_catalog.h); the apps map them to exit statuses.
 enum class ErrorCode {
-  kUsage,               ///< the command line asks for something that does not exist
-  kConfig,              ///< a key, value or unit in configuration is not valid
-  kNotFound,            ///< a named file or folder does not exist
-  kIo,                  ///< the operating system refused to read or write
-  kParse,               ///< text or header does not follow its format
-  kTruncated,           ///< a file ends before what its header promises
-  kCountMismatch,       ///< poses and scans (or two declared counts) differ
-  kInvalidPose,         ///< non-finite pose, non-unit quaternion or non-rigid rotation
-  kInvalidPoints,       ///< a cloud holds no usable point
-  kUnsupported,         ///< a known format or variant that kilter does not read
-  kEmptyInput,          ///< nothing to work on: no robot, no scan
-  kMissingDependency,   ///< an optional part was not built in
-  kInvalidArgument,     ///< a value handed to the library lies outside its domain
-  kOutOfMemory,         ///< the memory budget or the machine's memory is used up
-  kNoSpace,             ///< the disk is full
-  kCancelled,           ///< stopped on request
-  kInternal,            ///< a defect of kilter itself
+  kUsage,              ///< the command line asks for something that does not exist
+  kConfig,             ///< a key, value or unit in configuration is not valid
+  kNotFound,           ///< a named file or folder does not exist
+  kIo,                 ///< the operating system refused to read or write
+  kParse,              ///< text or header does not follow its format
+  kTruncated,          ///< a file ends before what its header promises
+  kCountMismatch,      ///< poses and scans (or two declared counts) differ
+  kInvalidPose,        ///< non-finite pose, non-unit quaternion or non-rigid rotation
+  kInvalidPoints,      ///< a cloud holds no usable point
+  kUnsupported,        ///< a known format or variant that kilter does not read
+  kEmptyInput,         ///< nothing to work on: no robot, no scan
+  kMissingDependency,  ///< an optional part was not built in
+  kInvalidArgument,    ///< a value handed to the library lies outside its domain
+  kOutOfMemory,        ///< the memory budget or the machine's memory is used up
+  kNoSpace,            ///< the disk is full
+  kCancelled,          ///< stopped on request
+  kInternal,           ///< a defect of kilter itself
 };
 
 /// What went wrong, told so that the message alone is enough.

@@ -21,9 +21,8 @@ struct Suffix {
 };
 
 constexpr Suffix kSuffixes[] = {
-    {"m", Unit::kMetre, 1.0},      {"cm", Unit::kMetre, 0.01},
-    {"mm", Unit::kMetre, 0.001},   {"km", Unit::kMetre, 1000.0},
-    {"rad", Unit::kRadian, 1.0},   {"deg", Unit::kRadian, std::numbers::pi / 180.0},
+    {"m", Unit::kMetre, 1.0},     {"cm", Unit::kMetre, 0.01},  {"mm", Unit::kMetre, 0.001},
+    {"km", Unit::kMetre, 1000.0}, {"rad", Unit::kRadian, 1.0}, {"deg", Unit::kRadian, std::numbers::pi / 180.0},
     {"%", Unit::kRatio, 0.01},
 };
 

@@ -56,8 +56,8 @@ struct OptionField {
 
 /// `names[i]` stands for the enumerator of underlying value i.
 template <typename E>
-[[nodiscard]] OptionField choice_option(std::string name, E& value, std::vector<std::string> names, std::string doc,
-                                        std::string paper = {}) {
+[[nodiscard]] OptionField choice_option(std::string name, E& value, const std::vector<std::string>& names,
+                                        std::string doc, std::string paper = {}) {
   OptionField field;
   field.name = std::move(name);
   field.kind = OptionField::Kind::kChoice;

@@ -41,9 +41,7 @@ TEST(ParallelFor, RethrowsWhatTheBodyThrows) {
 TEST(ReduceBlocks, GivesTheSameBitsForAnyThreadCount) {
   std::vector<double> values(100000);
   for (std::size_t i = 0; i < values.size(); ++i) values[i] = 1.0 / static_cast<double>(i + 1);
-  const auto fold = [](std::span<const double> block) {
-    return Sum{std::accumulate(block.begin(), block.end(), 0.0)};
-  };
+  const auto fold = [](std::span<const double> block) { return Sum{std::accumulate(block.begin(), block.end(), 0.0)}; };
   const double one = reduce_blocks(std::span<const double>(values), Sum{}, {.threads = 1}, fold).value;
   const double four = reduce_blocks(std::span<const double>(values), Sum{}, {.threads = 4}, fold).value;
   EXPECT_EQ(one, four);

@@ -38,9 +38,7 @@ class Rng {
   double uniform(double low, double high) { return low + (high - low) * uniform(); }
 
   /// Uniform in {0, ..., n - 1}; n > 0. Bias below n / 2^64.
-  std::uint64_t below(std::uint64_t n) {
-    return static_cast<std::uint64_t>((static_cast<Wide>(bits()) * n) >> 64);
-  }
+  std::uint64_t below(std::uint64_t n) { return static_cast<std::uint64_t>((static_cast<Wide>(bits()) * n) >> 64); }
 
   /// Standard normal (Box-Muller; both values are used).
   double normal() {

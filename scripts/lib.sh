@@ -1,0 +1,66 @@
+# SPDX-FileCopyrightText: The kilter authors
+# SPDX-License-Identifier: BSD-3-Clause
+# Shared by scripts/demo, scripts/test and scripts/format; sourced, not run.
+
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+
+say() { printf '%s\n' "== $*" >&2; }
+
+stop() {
+  printf '%s\n' "$*" >&2
+  exit 2
+}
+
+# packages GROUP...: names of scripts/packages.txt that belong to one of the groups.
+packages() {
+  local group
+  for group in "$@"; do
+    awk -v group="$group" '$1 == group { print $2 }' "$root/scripts/packages.txt"
+  done
+}
+
+# missing_packages NAME...: those that dpkg does not know as installed.
+missing_packages() {
+  local name
+  for name in "$@"; do
+    dpkg-query --show --showformat='${db:Status-Status}' "$name" 2>/dev/null | grep -qx installed || printf '%s\n' "$name"
+  done
+}
+
+# install_packages GROUP...: installs what is missing with apt-get, quietly; its whole output is shown if it fails.
+install_packages() {
+  command -v dpkg-query >/dev/null || stop "This script sets up Debian and Ubuntu. Elsewhere install the counterparts of
+scripts/packages.txt, then: cmake --workflow --preset release"
+  local missing log as_root=()
+  mapfile -t missing < <(missing_packages $(packages "$@"))
+  [[ ${#missing[@]} -gt 0 ]] || return 0
+  if [[ $(id -u) -ne 0 ]]; then
+    command -v sudo >/dev/null || stop "These packages are missing, and only root can install them:
+  apt-get install --no-install-recommends ${missing[*]}"
+    as_root=(sudo)
+  fi
+  say "installing ${#missing[@]} packages: ${missing[*]}"
+  log=$(mktemp)
+  if ! "${as_root[@]}" apt-get -q update >"$log" 2>&1 ||
+     ! "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -q -y install --no-install-recommends "${missing[@]}" \
+       >>"$log" 2>&1; then
+    cat "$log" >&2
+    rm -f "$log"
+    stop "apt-get could not install what is missing; its own words are above."
+  fi
+  rm -f "$log"
+}
+
+# build PRESET [TARGET...]: configures and builds build/ or build-PRESET/; quiet unless something goes wrong.
+build() {
+  local preset=$1 log status=0
+  shift
+  say "building ($preset)"
+  log=$(mktemp)
+  if ! (cd "$root" && cmake --preset "$preset" && cmake --build --preset "$preset" ${1:+--target "$@"}) >"$log" 2>&1; then
+    grep -E -A 20 'FAILED|CMake Error|error:' "$log" >&2 || cat "$log" >&2
+    status=1
+  fi
+  rm -f "$log"
+  return $status
+}

@@ -1,0 +1,47 @@
+// SPDX-FileCopyrightText: The kilter authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "kilter/matching/conflict.h"
+
+#include <array>
+
+namespace kilter {
+namespace {
+
+bool free_with_neighbours(const VoxelMap& map, const VoxelIndex& voxel) {
+  if (map.state(voxel) != CellState::kFree) return false;
+  static const std::array<VoxelIndex, 6> kFaces = {VoxelIndex(1, 0, 0),  VoxelIndex(-1, 0, 0), VoxelIndex(0, 1, 0),
+                                                   VoxelIndex(0, -1, 0), VoxelIndex(0, 0, 1),  VoxelIndex(0, 0, -1)};
+  for (const VoxelIndex& face : kFaces) {
+    if (map.state(voxel + face) != CellState::kFree) return false;
+  }
+  return true;
+}
+
+ConflictCount count_conflict(const VoxelMap& surface, const NearestVoxelSearch& space, const Pose3& T_space_surface,
+                             double margin_m) {
+  ConflictCount count;
+  if (!space.map().has_free_space()) return count;
+  const Eigen::Isometry3d T = T_space_surface.isometry();
+  for (std::size_t i = 0; i < surface.voxels().size(); ++i) {
+    const Eigen::Vector3d at_m = T * surface.voxels().centroids_m[i].cast<double>();
+    const VoxelIndex voxel = voxel_at(at_m, space.map().resolution_m());
+    const bool free = free_with_neighbours(space.map(), voxel);
+    if (space.nearest(at_m, margin_m)) {
+      ++count.known;
+    } else if (free) {
+      ++count.known;
+      ++count.conflicting;
+    }
+  }
+  return count;
+}
+
+}  // namespace
+
+ConflictSample measure_conflict(const NearestVoxelSearch& source, const NearestVoxelSearch& target,
+                                const Pose3& T_target_source, double margin_m) {
+  return {count_conflict(source.map(), target, T_target_source, margin_m),
+          count_conflict(target.map(), source, T_target_source.inverse(), margin_m)};
+}
+
+}  // namespace kilter

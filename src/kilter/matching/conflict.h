@@ -1,0 +1,42 @@
+// SPDX-FileCopyrightText: The kilter authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+
+#include "kilter/geometry/pose3.h"
+#include "kilter/matching/nearest_voxel.h"
+
+namespace kilter {
+
+/// One direction of free-space conflict: surfaces of one submap that stand where the other saw through.
+struct ConflictCount {
+  std::size_t known = 0;        ///< surface voxels in space the other knows (free with margin, or next to a surface)
+  std::size_t conflicting = 0;  ///< of these, in free space with margin
+
+  [[nodiscard]] double share() const {
+    return known == 0 ? 0.0 : static_cast<double>(conflicting) / static_cast<double>(known);
+  }
+};
+
+/// Both directions. A pair of points-only submaps has nothing known either way.
+struct ConflictSample {
+  ConflictCount source_in_target;
+  ConflictCount target_in_source;
+
+  [[nodiscard]] std::size_t known() const { return source_in_target.known + target_in_source.known; }
+  [[nodiscard]] double share() const {
+    return known() == 0 ? 0.0
+                        : static_cast<double>(source_in_target.conflicting + target_in_source.conflicting) /
+                              static_cast<double>(known());
+  }
+};
+
+/// Counts surface voxels (centroid known to be a surface: probability at least that of one hit) that fall where the
+/// other submap is free: the cell and its six neighbours free, and no surface within `margin_m`. Cells within the
+/// margin of a surface count as known but never as conflict, which leaves out grazing rays and the voxels just before
+/// a hit. O(voxels).
+[[nodiscard]] ConflictSample measure_conflict(const NearestVoxelSearch& source, const NearestVoxelSearch& target,
+                                              const Pose3& T_target_source, double margin_m);
+
+}  // namespace kilter

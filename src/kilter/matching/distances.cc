@@ -1,0 +1,56 @@
+// SPDX-FileCopyrightText: The kilter authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "kilter/matching/distances.h"
+
+#include <cmath>
+
+namespace kilter {
+
+std::vector<OptionField> fields(MatchingOptions& o) {
+  return {
+      real_option("d", o.max_distance_m, Unit::kMetre, 0.01, 100.0,
+                  "Maximum search distance: voxels farther apart do not match.", "d"),
+      real_option("occupancy_weight_m", o.occupancy_weight_m, Unit::kMetre, 0.0, 10.0,
+                  "Metres that a difference of 1 in occupancy probability adds to a distance.", "d_f"),
+      choice_option("voxel_position", o.position, {"centre", "centroid"},
+                    "Point that stands for a voxel in the paper's distances."),
+      real_option("overlap_min", o.overlap_min, Unit::kRatio, 0.0, 1.0,
+                  "Matched fraction of the voxels inside the other submap's box, below which a pair stays unverified."),
+      count_option("matched_min", o.matched_min, 2, 1000000000,
+                   "Matched voxels below which a pair stays unverified."),
+  };
+}
+
+DistanceSample measure_distances(const VoxelMap& source, const NearestVoxelSearch& target, const Pose3& T_target_source,
+                                 const MatchingOptions& options) {
+  DistanceSample sample;
+  if (source.voxels().size() == 0 || target.map().voxels().size() == 0) return sample;
+  const double d = options.max_distance_m;
+  Eigen::AlignedBox3d box = target.map().bounds_m();
+  box.min().array() -= d;
+  box.max().array() += d;
+  const Eigen::Isometry3d T = T_target_source.isometry();
+  double euclidean_sum = 0.0;
+  double occupancy_sum = 0.0;
+  for (std::size_t i = 0; i < source.voxels().size(); ++i) {
+    const Eigen::Vector3d at_m = T * voxel_position_m(source, i, options.position);
+    if (!box.contains(at_m)) continue;
+    ++sample.candidates;
+    const std::optional<NearestVoxel> closest = target.nearest(at_m, d);
+    if (!closest) continue;
+    const double occupancy_m =
+        options.occupancy_weight_m * std::abs(source.probability(i) - target.map().probability(closest->voxel));
+    const double distance_m = closest->distance_m + occupancy_m;  // Eq. (8)
+    if (distance_m > d) continue;
+    sample.distances_m.push_back(distance_m);
+    euclidean_sum += closest->distance_m;
+    occupancy_sum += occupancy_m;
+  }
+  if (sample.matched() > 0) {
+    sample.mean_euclidean_m = euclidean_sum / static_cast<double>(sample.matched());
+    sample.mean_occupancy_m = occupancy_sum / static_cast<double>(sample.matched());
+  }
+  return sample;
+}
+
+}  // namespace kilter

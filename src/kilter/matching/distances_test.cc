@@ -1,0 +1,90 @@
+// SPDX-FileCopyrightText: The kilter authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "kilter/matching/distances.h"
+
+#include <gtest/gtest.h>
+
+#include <numeric>
+
+#include "kilter/occupancy/map_builder.h"
+
+namespace kilter {
+namespace {
+
+VoxelMap line_map(int count, double slope) {
+  std::vector<Eigen::Vector3d> points;
+  for (int i = 0; i < count; ++i) points.emplace_back(0.1 * i + 0.05, slope * (0.1 * i + 0.05) + 0.05, 0.05);
+  MapBuilder builder({.resolution_m = 0.1});
+  builder.insert_points(points);
+  return builder.finish();
+}
+
+TEST(MeasureDistances, IdenticalSubmapsAreAtZero) {
+  const VoxelMap map = line_map(300, 0.0);
+  const DistanceSample sample = measure_distances(map, {map, VoxelPosition::kCentre, 1.0}, {}, {});
+  EXPECT_EQ(sample.matched(), 300U);
+  EXPECT_EQ(sample.overlap(), 1.0);
+  for (const double d : sample.distances_m) EXPECT_NEAR(d, 0.0, 1e-12);
+}
+
+TEST(MeasureDistances, AParallelShiftIsEveryVoxelsDistance) {
+  const VoxelMap map = line_map(300, 0.0);
+  const DistanceSample sample =
+      measure_distances(map, {map, VoxelPosition::kCentre, 1.0}, Pose3::from_translation(0.0, 0.3, 0.0), {});
+  for (const double d : sample.distances_m) EXPECT_NEAR(d, 0.3, 1e-12);
+}
+
+TEST(MeasureDistances, BeyondTheSearchDistanceNothingMatches) {
+  const VoxelMap map = line_map(300, 0.0);
+  const NearestVoxelSearch search(map, VoxelPosition::kCentre, 1.0);
+  const DistanceSample near = measure_distances(map, search, Pose3::from_translation(0.0, 0.95, 0.0), {});
+  EXPECT_EQ(near.matched(), 300U);
+  const DistanceSample beyond = measure_distances(map, search, Pose3::from_translation(0.0, 1.05, 0.0), {});
+  EXPECT_EQ(beyond.matched(), 0U);
+  EXPECT_EQ(beyond.overlap(), 0.0);
+  EXPECT_FALSE(beyond.passes_gate({}));
+}
+
+// Eq. (8) with voxels of different certainty: seen ten times here, once there.
+TEST(MeasureDistances, OccupancyTermIsScaledByItsWeight) {
+  MapBuilder often({.resolution_m = 0.1, .min_range_m = 0.0});
+  MapBuilder once({.resolution_m = 0.1, .min_range_m = 0.0});
+  const std::vector<Eigen::Vector3d> wall = {{1.05, 0.05, 0.05}, {1.05, 0.15, 0.05}};
+  for (int i = 0; i < 10; ++i) often.insert_scan(wall, {0.05, 0.05, 0.05});
+  once.insert_scan(wall, {0.05, 0.05, 0.05});
+  const VoxelMap target = often.finish();
+  const VoxelMap source = once.finish();
+  const NearestVoxelSearch search(target, VoxelPosition::kCentre, 1.0);
+  const DistanceSample literal = measure_distances(source, search, {}, {.occupancy_weight_m = 1.0});
+  ASSERT_EQ(literal.matched(), 2U);
+  EXPECT_NEAR(literal.distances_m[0], 0.971 - 0.7, 1e-5);
+  const DistanceSample none = measure_distances(source, search, {}, {.occupancy_weight_m = 0.0});
+  EXPECT_NEAR(none.distances_m[0], 0.0, 1e-12);
+  EXPECT_NEAR(literal.mean_occupancy_m, 0.271, 1e-5);
+}
+
+TEST(MeasureDistances, EmptySubmapsGiveAnEmptySample) {
+  const VoxelMap empty = MapBuilder({.resolution_m = 0.1}).finish();
+  const VoxelMap line = line_map(10, 0.0);
+  EXPECT_EQ(measure_distances(empty, {line, VoxelPosition::kCentre, 1.0}, {}, {}).matched(), 0U);
+  EXPECT_EQ(measure_distances(line, {empty, VoxelPosition::kCentre, 1.0}, {}, {}).matched(), 0U);
+}
+
+// Figure 3a: two straight lines that meet at their start.
+TEST(MeasureDistances, LinesThatMeetAtAnAngleGiveUniformDistances) {
+  const VoxelMap target = line_map(120, 0.0);
+  const VoxelMap source = line_map(100, 0.1);
+  MatchingOptions options;
+  options.position = VoxelPosition::kCentroid;
+  const DistanceSample sample = measure_distances(source, {target, VoxelPosition::kCentroid, 1.0}, {}, options);
+  ASSERT_EQ(sample.matched(), source.voxels().size());
+  const double n = static_cast<double>(sample.matched());
+  const double mean = std::accumulate(sample.distances_m.begin(), sample.distances_m.end(), 0.0) / n;
+  double squares = 0.0;
+  for (const double d : sample.distances_m) squares += (d - mean) * (d - mean) / n;
+  EXPECT_NEAR(mean, 0.5, 0.01);
+  EXPECT_NEAR(squares, 1.0 / 12.0, 0.002);
+}
+
+}  // namespace
+}  // namespace kilter

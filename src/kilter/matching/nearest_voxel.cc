@@ -1,0 +1,101 @@
+// SPDX-FileCopyrightText: The kilter authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "kilter/matching/nearest_voxel.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <tuple>
+
+#include "kilter/base/contract.h"
+
+namespace kilter {
+namespace {
+
+constexpr std::uint32_t kNoVoxel = std::numeric_limits<std::uint32_t>::max();
+
+// Distance along one axis from u in [0, edge) to the block `offset` blocks away.
+double axis_gap_m(int offset, double u_m, double edge_m) {
+  if (offset > 0) return offset * edge_m - u_m;
+  if (offset < 0) return u_m - (offset + 1) * edge_m;
+  return 0.0;
+}
+
+}  // namespace
+
+Eigen::Vector3d voxel_position_m(const VoxelMap& map, std::size_t i, VoxelPosition position) {
+  if (position == VoxelPosition::kCentroid) return map.voxels().centroids_m[i].cast<double>();
+  return voxel_centre(map.indices()[i], map.resolution_m());
+}
+
+NearestVoxelSearch::NearestVoxelSearch(const VoxelMap& map, VoxelPosition position, double max_distance_m)
+    : map_(&map), position_(position), max_distance_m_(max_distance_m) {
+  KILTER_EXPECTS(max_distance_m > 0.0);
+  const std::size_t count = map.voxels().size();
+  x_.resize(count);
+  y_.resize(count);
+  z_.resize(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const Eigen::Vector3f at = voxel_position_m(map, i, position).cast<float>();
+    x_[i] = at.x();
+    y_[i] = at.y();
+    z_[i] = at.z();
+  }
+  const double edge_m = kBlockSize * map.resolution_m();
+  const int reach = static_cast<int>(std::ceil(max_distance_m / edge_m));
+  for (int z = -reach; z <= reach; ++z) {
+    for (int y = -reach; y <= reach; ++y) {
+      for (int x = -reach; x <= reach; ++x) {
+        const Eigen::Vector3i offset(x, y, z);
+        const Eigen::Vector3d gap_m = (offset.cwiseAbs() - Eigen::Vector3i::Ones()).cwiseMax(0).cast<double>() * edge_m;
+        if (gap_m.squaredNorm() <= max_distance_m * max_distance_m) offsets_.push_back({offset, gap_m.squaredNorm()});
+      }
+    }
+  }
+  std::stable_sort(offsets_.begin(), offsets_.end(), [](const BlockOffset& a, const BlockOffset& b) {
+    return std::tuple(a.least_m2, a.offset.squaredNorm()) < std::tuple(b.least_m2, b.offset.squaredNorm());
+  });
+}
+
+void NearestVoxelSearch::scan_block(const VoxelBlock& block, const Eigen::Vector3f& point, float& best2,
+                                    std::uint32_t& best) const {
+  const std::uint32_t end = block.first_voxel + block.voxel_count;
+  for (std::uint32_t i = block.first_voxel; i < end; ++i) {
+    const float dx = x_[i] - point.x();
+    const float dy = y_[i] - point.y();
+    const float dz = z_[i] - point.z();
+    const float d2 = dx * dx + dy * dy + dz * dz;
+    if (d2 < best2 || (d2 == best2 && i < best)) {
+      best2 = d2;
+      best = i;
+    }
+  }
+}
+
+std::optional<NearestVoxel> NearestVoxelSearch::nearest(const Eigen::Vector3d& point_m, double limit_m) const {
+  KILTER_EXPECTS(limit_m <= max_distance_m_ * (1.0 + 1e-12));
+  const double edge_m = kBlockSize * map_->resolution_m();
+  const Eigen::Vector3i home = block_of(voxel_at(point_m, map_->resolution_m()));
+  const Eigen::Vector3d u_m = point_m - home.cast<double>() * edge_m;
+  const Eigen::Vector3f point = point_m.cast<float>();
+  // A little slack so that rounding to float never hides a voxel at exactly the limit; checked in double below.
+  float best2 = static_cast<float>(limit_m * limit_m * 1.0001 + 1e-12);
+  std::uint32_t best = kNoVoxel;
+  for (const BlockOffset& candidate : offsets_) {
+    if (candidate.least_m2 > best2) break;
+    const Eigen::Vector3d gap_m(axis_gap_m(candidate.offset.x(), u_m.x(), edge_m),
+                                axis_gap_m(candidate.offset.y(), u_m.y(), edge_m),
+                                axis_gap_m(candidate.offset.z(), u_m.z(), edge_m));
+    if (gap_m.squaredNorm() * 0.9999 > best2) continue;
+    const std::int32_t number = map_->find_block(home + candidate.offset);
+    if (number == BlockIndex::kNone) continue;
+    const VoxelBlock& block = map_->blocks()[static_cast<std::size_t>(number)];
+    if (block.voxel_count > 0) scan_block(block, point, best2, best);
+  }
+  if (best == kNoVoxel) return std::nullopt;
+  const double distance_m = (voxel_position_m(*map_, best, position_) - point_m).norm();
+  if (distance_m > limit_m) return std::nullopt;
+  return NearestVoxel{best, distance_m};
+}
+
+}  // namespace kilter

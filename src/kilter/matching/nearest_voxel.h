@@ -1,0 +1,58 @@
+// SPDX-FileCopyrightText: The kilter authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "kilter/occupancy/voxel_map.h"
+
+namespace kilter {
+
+/// Which point stands for a voxel.
+enum class VoxelPosition {
+  kCentre,    ///< the middle of the lattice cell, as in the seed
+  kCentroid,  ///< the mean of the hits inside
+};
+
+/// Position of occupied voxel i in the map's frame. [m]
+[[nodiscard]] Eigen::Vector3d voxel_position_m(const VoxelMap& map, std::size_t i, VoxelPosition position);
+
+/// An occupied voxel and how far it is. [m]
+struct NearestVoxel {
+  std::uint32_t voxel = 0;
+  double distance_m = 0.0;
+};
+
+/// Exact closest-voxel search on the blocks of one map: blocks in order of their distance, voxels of a block as one
+/// array. Immutable after construction; the map must outlive it. Ties go to the lower voxel number.
+class NearestVoxelSearch {
+ public:
+  /// \param max_distance_m  no query may ask for more. O(voxels).
+  NearestVoxelSearch(const VoxelMap& map, VoxelPosition position, double max_distance_m);
+
+  /// The closest occupied voxel no farther than `limit_m` (<= max_distance_m) from a point in the map's frame.
+  [[nodiscard]] std::optional<NearestVoxel> nearest(const Eigen::Vector3d& point_m, double limit_m) const;
+
+  [[nodiscard]] const VoxelMap& map() const { return *map_; }
+  [[nodiscard]] VoxelPosition position() const { return position_; }
+  [[nodiscard]] double max_distance_m() const { return max_distance_m_; }
+
+ private:
+  struct BlockOffset {
+    Eigen::Vector3i offset;
+    double least_m2;  // no point of the query's block is nearer to that block
+  };
+
+  void scan_block(const VoxelBlock& block, const Eigen::Vector3f& point, float& best2, std::uint32_t& best) const;
+
+  const VoxelMap* map_;
+  VoxelPosition position_;
+  double max_distance_m_;
+  std::vector<float> x_, y_, z_;        // positions in voxel order
+  std::vector<BlockOffset> offsets_;    // sorted by least distance
+};
+
+}  // namespace kilter

@@ -1,0 +1,72 @@
+// SPDX-FileCopyrightText: The kilter authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "kilter/matching/nearest_voxel.h"
+
+#include <gtest/gtest.h>
+
+#include "kilter/base/rng.h"
+#include "kilter/occupancy/map_builder.h"
+
+namespace kilter {
+namespace {
+
+VoxelMap random_map(double resolution_m, int points, double spread_m) {
+  Rng rng(11, 0);
+  std::vector<Eigen::Vector3d> cloud;
+  for (int i = 0; i < points; ++i) {
+    cloud.emplace_back(rng.uniform(-spread_m, spread_m), rng.uniform(-spread_m, spread_m), rng.uniform(-1.0, 1.0));
+  }
+  MapBuilder builder({.resolution_m = resolution_m});
+  builder.insert_points(cloud);
+  return builder.finish();
+}
+
+TEST(NearestVoxelSearch, AgreesWithBruteForceForBothPositionsAndManyLimits) {
+  for (const double resolution_m : {0.1, 0.25}) {
+    const VoxelMap map = random_map(resolution_m, 800, 4.0);
+    for (const VoxelPosition position : {VoxelPosition::kCentre, VoxelPosition::kCentroid}) {
+      const NearestVoxelSearch search(map, position, 2.5);
+      Rng rng(3, 1);
+      int found = 0;
+      for (int k = 0; k < 1500; ++k) {
+        const Eigen::Vector3d at(rng.uniform(-6, 6), rng.uniform(-6, 6), rng.uniform(-3, 3));
+        const double limit_m = rng.uniform(0.05, 2.5);
+        double best = limit_m;
+        bool any = false;
+        for (std::size_t i = 0; i < map.voxels().size(); ++i) {
+          const double d = (voxel_position_m(map, i, position) - at).norm();
+          if (d <= best) {
+            best = d;
+            any = true;
+          }
+        }
+        const auto nearest = search.nearest(at, limit_m);
+        ASSERT_EQ(nearest.has_value(), any) << at.transpose() << " limit " << limit_m;
+        if (any) {
+          EXPECT_NEAR(nearest->distance_m, best, 1e-6);
+        }
+        found += any ? 1 : 0;
+      }
+      EXPECT_GT(found, 300);
+      EXPECT_LT(found, 1500);
+    }
+  }
+}
+
+TEST(NearestVoxelSearch, TiesGoToTheLowerVoxelAndOnesOwnVoxelIsAtZero) {
+  MapBuilder builder({.resolution_m = 0.25});  // a power of two, so that the tie is one in floating point too
+  builder.insert_points(std::vector<Eigen::Vector3d>{{0.125, 0.125, 0.125}, {0.625, 0.125, 0.125}});
+  const VoxelMap map = builder.finish();
+  const NearestVoxelSearch search(map, VoxelPosition::kCentre, 1.0);
+  EXPECT_EQ(search.nearest({0.375, 0.125, 0.125}, 1.0)->voxel, 0U);
+  EXPECT_NEAR(search.nearest({0.625, 0.125, 0.125}, 1.0)->distance_m, 0.0, 1e-12);
+  EXPECT_FALSE(search.nearest({5.0, 5.0, 5.0}, 1.0).has_value());
+}
+
+TEST(NearestVoxelSearch, EmptyMapHasNoNearest) {
+  const VoxelMap map = MapBuilder({.resolution_m = 0.1}).finish();
+  EXPECT_FALSE(NearestVoxelSearch(map, VoxelPosition::kCentre, 1.0).nearest({0, 0, 0}, 1.0).has_value());
+}
+
+}  // namespace
+}  // namespace kilter

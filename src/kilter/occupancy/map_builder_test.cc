@@ -1,0 +1,101 @@
+// SPDX-FileCopyrightText: The kilter authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "kilter/occupancy/map_builder.h"
+
+#include <gtest/gtest.h>
+
+#include "kilter/base/rng.h"
+
+namespace kilter {
+namespace {
+
+const Eigen::Vector3d kOrigin(0.05, 0.05, 0.05);
+
+TEST(MapBuilder, RayFreesTheVoxelsBeforeItsEnd) {
+  MapBuilder builder({.resolution_m = 0.1, .min_range_m = 0.0});
+  builder.insert_scan(std::vector{Eigen::Vector3d(1.05, 0.05, 0.05)}, kOrigin);
+  const VoxelMap map = builder.finish();
+  for (int x = 0; x < 10; ++x) EXPECT_EQ(map.state({x, 0, 0}), CellState::kFree) << x;
+  EXPECT_EQ(map.state({10, 0, 0}), CellState::kOccupied);
+  EXPECT_EQ(map.state({11, 0, 0}), CellState::kUnknown);
+  EXPECT_EQ(map.state({5, 1, 0}), CellState::kUnknown);
+  EXPECT_TRUE(map.has_free_space());
+}
+
+TEST(MapBuilder, EveryTracedVoxelTouchesTheRay) {
+  Rng rng(1, 0);
+  for (int i = 0; i < 200; ++i) {
+    MapBuilder builder({.resolution_m = 0.1, .min_range_m = 0.0});
+    const Eigen::Vector3d end(rng.uniform(-3, 3), rng.uniform(-3, 3), rng.uniform(-3, 3));
+    builder.insert_scan(std::vector{end}, kOrigin);
+    const VoxelMap map = builder.finish();
+    const Eigen::Vector3d direction = (end - kOrigin).normalized();
+    int free_count = 0;
+    for (const VoxelBlock& block : map.blocks()) {
+      for (int bit = 0; bit < kBlockVoxels; ++bit) {
+        const VoxelIndex voxel = voxel_of(block_of_key(block.key), bit);
+        if (map.state(voxel) != CellState::kFree) continue;
+        ++free_count;
+        const Eigen::Vector3d offset = voxel_centre(voxel, 0.1) - kOrigin;
+        EXPECT_LE((offset - offset.dot(direction) * direction).norm(), 0.1 * 0.8661);
+      }
+    }
+    EXPECT_EQ(free_count, (voxel_at(end, 0.1) - voxel_at(kOrigin, 0.1)).cwiseAbs().sum());
+  }
+}
+
+TEST(MapBuilder, HitWinsOverMissInsideOneScanAndEachCountsOnce) {
+  MapBuilder builder({.resolution_m = 0.1, .min_range_m = 0.0});
+  const std::vector<Eigen::Vector3d> two_ends = {{1.05, 0.05, 0.05}, {1.06, 0.05, 0.05}, {2.05, 0.05, 0.05}};
+  builder.insert_scan(two_ends, kOrigin);
+  const VoxelMap map = builder.finish();
+  const auto voxel = map.find_voxel({10, 0, 0});
+  ASSERT_GE(voxel, 0);
+  EXPECT_NEAR(map.probability(static_cast<std::size_t>(voxel)), 0.7, 1e-6);
+  EXPECT_NEAR(map.voxels().centroids_m[static_cast<std::size_t>(voxel)].x(), 1.055, 1e-6);
+}
+
+TEST(MapBuilder, ClampsProbabilitiesAndLetsMissesClearAVoxel) {
+  MapBuilder builder({.resolution_m = 0.1, .min_range_m = 0.0});
+  for (int i = 0; i < 20; ++i) builder.insert_scan(std::vector{Eigen::Vector3d(1.05, 0.05, 0.05)}, kOrigin);
+  for (int i = 0; i < 3; ++i) builder.insert_scan(std::vector{Eigen::Vector3d(2.05, 0.05, 0.05)}, kOrigin);
+  const VoxelMap seen = builder.finish();
+  const auto voxel = seen.find_voxel({10, 0, 0});
+  ASSERT_GE(voxel, 0);
+  const double clamped = std::log(0.971 / 0.029) + 3.0 * std::log(0.4 / 0.6);
+  EXPECT_NEAR(seen.voxels().log_odds[static_cast<std::size_t>(voxel)], clamped, 1e-5);
+
+  MapBuilder cleared({.resolution_m = 0.1, .min_range_m = 0.0});
+  cleared.insert_scan(std::vector{Eigen::Vector3d(1.05, 0.05, 0.05)}, kOrigin);
+  for (int i = 0; i < 3; ++i) cleared.insert_scan(std::vector{Eigen::Vector3d(2.05, 0.05, 0.05)}, kOrigin);
+  EXPECT_EQ(cleared.finish().state({10, 0, 0}), CellState::kFree);
+}
+
+TEST(MapBuilder, RangesLimitHitsAndFreeSpace) {
+  MapBuilder builder({.resolution_m = 0.1, .min_range_m = 0.5, .max_range_m = 2.0});
+  const std::vector<Eigen::Vector3d> near_and_far = {{0.25, 0.05, 0.05}, {5.05, 0.05, 0.05}};
+  builder.insert_scan(near_and_far, kOrigin);
+  const VoxelMap map = builder.finish();
+  EXPECT_EQ(map.voxels().size(), 0U);
+  EXPECT_EQ(map.state({15, 0, 0}), CellState::kFree);
+  EXPECT_EQ(map.state({25, 0, 0}), CellState::kUnknown);
+}
+
+TEST(MapBuilder, PointsAloneLeaveEverythingElseUnknown) {
+  MapBuilder builder({.resolution_m = 0.1});
+  builder.insert_points(std::vector<Eigen::Vector3d>{{1.05, 0.05, 0.05}});
+  const VoxelMap map = builder.finish();
+  EXPECT_FALSE(map.has_free_space());
+  EXPECT_EQ(map.voxels().size(), 1U);
+  EXPECT_EQ(map.state({5, 0, 0}), CellState::kUnknown);
+}
+
+TEST(MapBuilder, IgnoresWhatLiesOffTheLattice) {
+  MapBuilder builder({.resolution_m = 0.1, .min_range_m = 0.0});
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  builder.insert_scan(std::vector<Eigen::Vector3d>{{nan, 0.0, 0.0}, {1e30, 0.0, 0.0}, {0.05, 0.05, 0.05}}, kOrigin);
+  EXPECT_EQ(builder.finish().voxels().size(), 0U);
+}
+
+}  // namespace
+}  // namespace kilter

@@ -1,0 +1,81 @@
+// SPDX-FileCopyrightText: The kilter authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "kilter/pairing/coarse_overlap.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace kilter {
+namespace {
+
+bool surface_near(const VoxelMap& map, const Eigen::Vector3d& at_m) {
+  const double half_m = 0.5 * kBlockSize * map.resolution_m();
+  // The eight blocks whose centres surround the point: everything within half a block is seen.
+  const Eigen::Vector3i low = block_of(voxel_at(at_m - Eigen::Vector3d::Constant(half_m), map.resolution_m()));
+  for (int corner = 0; corner < 8; ++corner) {
+    const std::int32_t number = map.find_block(low + Eigen::Vector3i(corner & 1, corner >> 1 & 1, corner >> 2));
+    if (number != BlockIndex::kNone && map.blocks()[static_cast<std::size_t>(number)].voxel_count > 0) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+CoarseCells coarse_cells(const VoxelMap& map, std::size_t max_cells) {
+  std::vector<const VoxelBlock*> filled;
+  for (const VoxelBlock& block : map.blocks()) {
+    if (block.voxel_count > 0) filled.push_back(&block);
+  }
+  CoarseCells cells;
+  if (filled.empty()) return cells;
+  const std::size_t count = std::min(max_cells, filled.size());
+  double picked_weight = 0.0;
+  for (std::size_t k = 0; k < count; ++k) {
+    const VoxelBlock& block = *filled[k * filled.size() / count];
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    for (std::uint32_t i = 0; i < block.voxel_count; ++i) {
+      sum += map.voxels().centroids_m[block.first_voxel + i].cast<double>();
+    }
+    cells.centres_m.emplace_back(sum / block.voxel_count);
+    cells.weights.push_back(block.voxel_count);
+    picked_weight += block.voxel_count;
+  }
+  const double scale = static_cast<double>(map.voxels().size()) / picked_weight;
+  for (double& weight : cells.weights) weight *= scale;
+  return cells;
+}
+
+CoarseOverlap coarse_overlap(const CoarseCells& source, const VoxelMap& target, const Pose3& T_target_source,
+                             const Eigen::Vector3d& shift_m) {
+  CoarseOverlap result;
+  result.shift_m = shift_m;
+  double inside = 0.0;
+  for (std::size_t i = 0; i < source.centres_m.size(); ++i) {
+    const Eigen::Vector3d at_m = T_target_source * source.centres_m[i] + shift_m;
+    if (!target.bounds_m().contains(at_m)) continue;
+    inside += source.weights[i];
+    if (surface_near(target, at_m)) result.matched += source.weights[i];
+  }
+  result.overlap = inside > 0.0 ? result.matched / inside : 0.0;
+  return result;
+}
+
+CoarseOverlap best_coarse_overlap(const CoarseCells& source, const VoxelMap& target, const Pose3& T_target_source,
+                                  double reach_m) {
+  CoarseOverlap best = coarse_overlap(source, target, T_target_source, Eigen::Vector3d::Zero());
+  const double step_m = 2.0 * kBlockSize * target.resolution_m();
+  const int steps = static_cast<int>(std::floor(reach_m / step_m));
+  for (int y = -steps; y <= steps; ++y) {
+    for (int x = -steps; x <= steps; ++x) {
+      const Eigen::Vector3d shift_m(step_m * x, step_m * y, 0.0);
+      if (shift_m.norm() > reach_m || (x == 0 && y == 0)) continue;
+      const CoarseOverlap here = coarse_overlap(source, target, T_target_source, shift_m);
+      const bool better = here.matched > best.matched;
+      const bool as_good_but_nearer = here.matched == best.matched && shift_m.norm() < best.shift_m.norm();
+      if (better || as_good_but_nearer) best = here;
+    }
+  }
+  return best;
+}
+
+}  // namespace kilter

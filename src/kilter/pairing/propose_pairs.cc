@@ -1,0 +1,126 @@
+// SPDX-FileCopyrightText: The kilter authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "kilter/pairing/propose_pairs.h"
+
+#include <algorithm>
+#include <boost/geometry.hpp>
+#include <boost/geometry/geometries/box.hpp>
+#include <boost/geometry/geometries/point.hpp>
+#include <boost/geometry/index/rtree.hpp>
+#include <cmath>
+#include <optional>
+
+#include "kilter/pairing/coarse_overlap.h"
+
+namespace kilter {
+namespace {
+
+namespace bg = boost::geometry;
+using Point = bg::model::point<double, 3, bg::cs::cartesian>;
+using Box = bg::model::box<Point>;
+using Entry = std::pair<Box, int>;
+
+constexpr std::size_t kMaxCells = 256;
+
+Box widened(const Eigen::AlignedBox3d& box, double by_m) {
+  return {{box.min().x() - by_m, box.min().y() - by_m, box.min().z() - by_m},
+          {box.max().x() + by_m, box.max().y() + by_m, box.max().z() + by_m}};
+}
+
+// The kind of (source, target), or nothing where the seed defines no pair.
+std::optional<PairKind> kind_of(const Submap& source, const Submap& target, int local_min_gap) {
+  if (source.robot != target.robot) return PairKind::kGlobal;
+  const int gap = source.index - target.index;
+  if (gap == 1) return PairKind::kSequential;
+  if (gap >= local_min_gap) return PairKind::kLocal;
+  return std::nullopt;
+}
+
+// All pairs whose widened boxes touch, and every sequential pair; sorted.
+std::vector<CandidatePair> meeting_pairs(std::span<const Submap> submaps, const PairingOptions& options,
+                                         std::size_t& boxes_met) {
+  std::vector<Eigen::AlignedBox3d> boxes;
+  std::vector<Entry> entries;
+  for (const Submap& submap : submaps) {
+    boxes.push_back(submap.bounds_world_m());
+    if (!boxes.back().isEmpty()) entries.emplace_back(widened(boxes.back(), 0.0), submap.id.value);
+  }
+  const bg::index::rtree<Entry, bg::index::rstar<16>> tree(entries.begin(), entries.end());
+  std::vector<CandidatePair> pairs;
+  std::vector<Entry> found;
+  for (const Submap& source : submaps) {
+    found.clear();
+    const auto& box = boxes[static_cast<std::size_t>(source.id.value)];
+    if (!box.isEmpty()) {
+      // The widest allowance this submap can have with any other; the exact one is checked below.
+      const double reach_m = options.max_distance_m + options.drift_max_m;
+      tree.query(bg::index::intersects(widened(box, reach_m)), std::back_inserter(found));
+    }
+    for (const Entry& entry : found) {
+      const Submap& target = submaps[static_cast<std::size_t>(entry.second)];
+      if (target.id >= source.id) continue;
+      const std::optional<PairKind> kind = kind_of(source, target, options.local_min_gap);
+      if (!kind || *kind == PairKind::kSequential) continue;
+      const double allowance_m = drift_allowance_m(source, target, options);
+      if (!bg::intersects(widened(box, options.max_distance_m + allowance_m), entry.first)) continue;
+      ++boxes_met;
+      pairs.push_back({{source.id, target.id}, *kind, allowance_m});
+    }
+    const bool has_predecessor = source.id.value > 0 && source.index > 0;
+    if (has_predecessor) {
+      const Submap& target = submaps[static_cast<std::size_t>(source.id.value - 1)];
+      pairs.push_back({{source.id, target.id}, PairKind::kSequential, drift_allowance_m(source, target, options)});
+    }
+  }
+  std::sort(pairs.begin(), pairs.end(), [](const auto& a, const auto& b) { return a.id < b.id; });
+  return pairs;
+}
+
+}  // namespace
+
+std::vector<OptionField> fields(PairingOptions& o) {
+  return {
+      count_option("local_min_gap", o.local_min_gap, 2, 1000000,
+                   "Submaps of one robot this many apart or more form local pairs.", "k"),
+      real_option("drift_per_metre", o.drift_per_metre, Unit::kPerMetre, 0.0, 1.0,
+                  "How far a pose may have drifted for each metre travelled; widens the search for pairs."),
+      real_option("drift_max", o.drift_max_m, Unit::kMetre, 0.0, 1000.0,
+                  "Upper end of the drift that the search for pairs allows for."),
+  };
+}
+
+double drift_allowance_m(const Submap& source, const Submap& target, const PairingOptions& options) {
+  const double path_m = source.robot == target.robot ? std::abs(source.path_end_m - target.path_start_m)
+                                                     : source.path_end_m + target.path_end_m;
+  return std::min(options.drift_per_metre * path_m, options.drift_max_m);
+}
+
+PairProposal propose_pairs(std::span<const Submap> submaps, const PairingOptions& options, const RunContext& run) {
+  PairProposal proposal;
+  std::vector<CandidatePair> pairs = meeting_pairs(submaps, options, proposal.boxes_met);
+  std::vector<CoarseCells> cells(submaps.size());
+  parallel_for(submaps.size(), run, [&](std::size_t i) { cells[i] = coarse_cells(submaps[i].map, kMaxCells); });
+  std::vector<char> keep(pairs.size(), 0);
+  parallel_for(pairs.size(), run, [&](std::size_t i) {
+    CandidatePair& pair = pairs[i];
+    const Submap& source = submaps[static_cast<std::size_t>(pair.id.source.value)];
+    const Submap& target = submaps[static_cast<std::size_t>(pair.id.target.value)];
+    const CoarseOverlap best = best_coarse_overlap(cells[static_cast<std::size_t>(source.id.value)], target.map,
+                                                   target.T_world_submap.inverse() * source.T_world_submap,
+                                                   pair.drift_allowance_m);
+    pair.predicted_overlap = best.overlap;
+    pair.predicted_shift_m = best.shift_m;
+    const bool enough = best.overlap >= options.overlap_min && best.matched >= options.matched_min;
+    keep[i] = pair.kind == PairKind::kSequential || enough ? 1 : 0;
+  });
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    if (keep[i] != 0) {
+      proposal.pairs.push_back(pairs[i]);
+    } else {
+      ++proposal.too_little_overlap;
+    }
+  }
+  return proposal;
+}
+
+}  // namespace kilter

@@ -1,0 +1,107 @@
+// SPDX-FileCopyrightText: The kilter authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "kilter/pairing/propose_pairs.h"
+
+#include <gtest/gtest.h>
+
+#include "kilter/occupancy/map_builder.h"
+#include "kilter/pairing/coarse_overlap.h"
+
+namespace kilter {
+namespace {
+
+// A 6 m x 6 m floor with a wall, enough voxels to pass every gate.
+VoxelMap floor_map() {
+  std::vector<Eigen::Vector3d> points;
+  for (int x = 0; x < 60; ++x) {
+    for (int y = 0; y < 60; ++y) points.emplace_back(0.1 * x + 0.03, 0.1 * y + 0.04, 0.05);
+    for (int z = 0; z < 20; ++z) points.emplace_back(0.1 * x + 0.03, 0.02, 0.1 * z + 0.05);
+  }
+  MapBuilder builder({.resolution_m = 0.1});
+  builder.insert_points(points);
+  return builder.finish();
+}
+
+Submap submap_at(int id, int robot, int index, double x_m, double path_m) {
+  Submap submap;
+  submap.id = {id};
+  submap.robot = robot;
+  submap.index = index;
+  submap.T_world_submap = Pose3::from_translation(x_m, 0.0, 0.0);
+  submap.path_start_m = path_m;
+  submap.path_end_m = path_m + 5.0;
+  submap.map = floor_map();
+  return submap;
+}
+
+std::vector<std::pair<int, int>> ids(const PairProposal& proposal) {
+  std::vector<std::pair<int, int>> out;
+  for (const CandidatePair& pair : proposal.pairs) out.emplace_back(pair.id.source.value, pair.id.target.value);
+  return out;
+}
+
+TEST(ProposePairs, NamesTheThreeKinds) {
+  std::vector<Submap> submaps;
+  for (int i = 0; i < 3; ++i) submaps.push_back(submap_at(i, 0, i, 0.5 * i, 10.0 * i));
+  submaps.push_back(submap_at(3, 1, 0, 0.2, 0.0));
+  const PairProposal proposal = propose_pairs(submaps, {}, {});
+  const std::vector<std::pair<int, int>> expected = {{1, 0}, {2, 0}, {2, 1}, {3, 0}, {3, 1}, {3, 2}};
+  EXPECT_EQ(ids(proposal), expected);
+  EXPECT_EQ(proposal.pairs[0].kind, PairKind::kSequential);
+  EXPECT_EQ(proposal.pairs[1].kind, PairKind::kLocal);
+  EXPECT_EQ(proposal.pairs[3].kind, PairKind::kGlobal);
+}
+
+TEST(ProposePairs, LocalPairsBeginAtTheGap) {
+  std::vector<Submap> submaps;
+  for (int i = 0; i < 5; ++i) submaps.push_back(submap_at(i, 0, i, 0.1 * i, 10.0 * i));
+  const std::vector<std::pair<int, int>> expected = {{1, 0}, {2, 1}, {3, 0}, {3, 2}, {4, 0}, {4, 1}, {4, 3}};
+  EXPECT_EQ(ids(propose_pairs(submaps, {.local_min_gap = 3}, {})), expected);
+}
+
+TEST(ProposePairs, FindsPairsThatDriftedApart) {
+  std::vector<Submap> submaps = {submap_at(0, 0, 0, 0.0, 0.0), submap_at(1, 0, 1, 200.0, 300.0),
+                                 submap_at(2, 0, 2, 9.0, 600.0)};
+  const PairProposal with_drift = propose_pairs(submaps, {}, {});
+  ASSERT_EQ(ids(with_drift), (std::vector<std::pair<int, int>>{{1, 0}, {2, 0}, {2, 1}}));
+  EXPECT_LT(with_drift.pairs[1].predicted_shift_m.x(), -1.0);
+  const PairProposal without = propose_pairs(submaps, {.drift_per_metre = 0.0}, {});
+  EXPECT_EQ(ids(without), (std::vector<std::pair<int, int>>{{1, 0}, {2, 1}}));
+}
+
+TEST(ProposePairs, CountsWhatItLeavesOut) {
+  std::vector<Submap> submaps = {submap_at(0, 0, 0, 0.0, 0.0), submap_at(1, 1, 0, 6.5, 0.0)};
+  const PairProposal proposal = propose_pairs(submaps, {.drift_per_metre = 0.0}, {});
+  EXPECT_TRUE(proposal.pairs.empty());
+  EXPECT_EQ(proposal.boxes_met, 1U);
+  EXPECT_EQ(proposal.too_little_overlap, 1U);
+}
+
+TEST(ProposePairs, SequentialPairsAreListedEvenWithoutOverlapOrPoints) {
+  std::vector<Submap> submaps = {submap_at(0, 0, 0, 0.0, 0.0), submap_at(1, 0, 1, 500.0, 500.0)};
+  submaps[1].map = MapBuilder({.resolution_m = 0.1}).finish();
+  EXPECT_EQ(ids(propose_pairs(submaps, {}, {})), (std::vector<std::pair<int, int>>{{1, 0}}));
+}
+
+TEST(ProposePairs, ThreadsChangeNothing) {
+  std::vector<Submap> submaps;
+  for (int i = 0; i < 8; ++i) submaps.push_back(submap_at(i, i / 4, i % 4, 1.3 * i, 10.0 * i));
+  const PairProposal one = propose_pairs(submaps, {}, {.threads = 1});
+  const PairProposal four = propose_pairs(submaps, {}, {.threads = 4});
+  ASSERT_EQ(ids(one), ids(four));
+  for (std::size_t i = 0; i < one.pairs.size(); ++i) {
+    EXPECT_EQ(one.pairs[i].predicted_overlap, four.pairs[i].predicted_overlap);
+  }
+}
+
+TEST(CoarseOverlap, FullForTheSameMapAndNoneFarAway) {
+  const VoxelMap map = floor_map();
+  const CoarseCells cells = coarse_cells(map, 256);
+  EXPECT_NEAR(coarse_overlap(cells, map, {}, Eigen::Vector3d::Zero()).overlap, 1.0, 1e-12);
+  EXPECT_NEAR(coarse_overlap(cells, map, {}, Eigen::Vector3d::Zero()).matched,
+              static_cast<double>(map.voxels().size()), 1e-6);
+  EXPECT_EQ(coarse_overlap(cells, map, Pose3::from_translation(0.0, 0.0, 50.0), Eigen::Vector3d::Zero()).matched, 0.0);
+}
+
+}  // namespace
+}  // namespace kilter

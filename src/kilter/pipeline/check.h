@@ -1,0 +1,62 @@
+// SPDX-FileCopyrightText: The kilter authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "kilter/base/expected.h"
+#include "kilter/base/option_table.h"
+#include "kilter/consistency/distribution.h"
+#include "kilter/consistency/gamma.h"
+#include "kilter/matching/distances.h"
+#include "kilter/pairing/propose_pairs.h"
+#include "kilter/pipeline/result.h"
+#include "kilter/registration/registration.h"
+#include "kilter/submap/build_submaps.h"
+#include "kilter/verification/judge.h"
+
+namespace kilter {
+
+/// Every option that can change a result, by stage.
+struct CheckOptions {
+  SubmapOptions submap;
+  PairingOptions pairing;
+  MatchingOptions matching;
+  DistributionOptions distribution;
+  GammaOptions gamma;
+  RegistrationOptions registration;
+  JudgeOptions judge;
+};
+
+/// One flat table of all keys, in the order of the stages; each name occurs once. Values that several stages share
+/// (d, gates, resolution) have one key; `check` hands them on.
+[[nodiscard]] std::vector<OptionField> fields(CheckOptions& options);
+
+/// The paper and nothing of ours: OICP registration, moments then truncation, no floor, literal Eq. (8) weights.
+void apply_seed_preset(CheckOptions& options);
+
+/// How one run of `check` goes about it; none of this changes the result.
+struct CheckRun {
+  int threads = 1;
+  const std::atomic<bool>* cancelled = nullptr;
+  std::size_t memory_bytes = 0;  ///< budget for submaps; 0 = no limit
+  bool fuse_maps = false;        ///< --maps
+  /// Told (stage, done, total) from any thread, in no promised order; may be empty.
+  std::function<void(std::string_view stage, std::size_t done, std::size_t total)> progress = {};
+};
+
+/// The main job, as the paper's Algorithm 1: submaps, pairs, Gamma, registration, Theta, Gamma^v, verdicts.
+///
+/// \param robots  sorted bytewise by name; at least one.
+/// \param cuts    ranges of scans by robot name to use instead of cutting; empty = cut. Robots not named are cut.
+/// \return the result; or the reading error of the first scan that fails, kOutOfMemory beyond the budget, kCancelled.
+/// Same bits for every number of threads.
+[[nodiscard]] Expected<Result> check(const std::vector<RobotLog>& robots, const CheckOptions& options,
+                                     const std::map<std::string, std::vector<ScanRange>>& cuts, const CheckRun& run);
+
+}  // namespace kilter

@@ -1,0 +1,142 @@
+// SPDX-FileCopyrightText: The kilter authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "kilter/registration/normal_equations.h"
+
+#include <Eigen/Eigenvalues>
+#include <array>
+#include <cmath>
+#include <map>
+
+namespace kilter {
+namespace {
+
+// Normals fitted to 0.1 m voxels scatter by 5-8 degrees, so a direction that no surface faces still collects
+// sin^2(8 deg) = 0.02 of the weight.
+constexpr double kLeastShare = 0.02;
+
+// d residual / d (v, w) about the centre, target axes.
+Vector6 plain_jacobian(const PlaneResidual& r, const Eigen::Vector3d& centre_m) {
+  Vector6 j;
+  j.head<3>() = r.direction;
+  j.tail<3>() = (r.point_m - centre_m).cross(r.direction);
+  return j;
+}
+
+Vector6 jacobian(const PlaneResidual& r, const NormalEquations& equations) {
+  return equations.unscale.transpose() * plain_jacobian(r, equations.centre_m);
+}
+
+// Principal axes of the points and, for each, the inverse RMS distance of the points from it.
+Matrix6 scaling_of(const Eigen::Matrix3d& scatter_m2) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(scatter_m2);
+  const Eigen::Vector3d spread_m2 = solver.eigenvalues().cwiseMax(0.0);
+  const Eigen::Vector3d radii_m =
+      (Eigen::Vector3d::Constant(spread_m2.sum()) - spread_m2).cwiseSqrt().cwiseMax(1e-3);
+  Matrix6 unscale = Matrix6::Zero();
+  unscale.topLeftCorner<3, 3>() = solver.eigenvectors();
+  unscale.bottomRightCorner<3, 3>() = solver.eigenvectors() * radii_m.cwiseInverse().asDiagonal();
+  return unscale;
+}
+
+Matrix6 observable_inverse(const NormalEquations& equations, const ObservableSplit& split) {
+  Matrix6 inverse = Matrix6::Zero();
+  for (int k = split.unobservable; k < 6; ++k) {
+    const Vector6 direction = split.directions.col(k);
+    inverse += direction * direction.transpose() / (split.shares[k] * equations.weight);
+  }
+  return inverse;
+}
+
+}  // namespace
+
+NormalEquations build_normal_equations(std::span<const PlaneResidual> residuals) {
+  NormalEquations equations;
+  for (const PlaneResidual& r : residuals) {
+    equations.weight += r.weight;
+    equations.centre_m += r.weight * r.point_m;
+    equations.squares_m2 += r.weight * r.residual_m * r.residual_m;
+  }
+  if (!(equations.weight > 0.0)) return equations;
+  equations.centre_m /= equations.weight;
+  Eigen::Matrix3d scatter_m2 = Eigen::Matrix3d::Zero();
+  for (const PlaneResidual& r : residuals) {
+    const Eigen::Vector3d arm_m = r.point_m - equations.centre_m;
+    scatter_m2.noalias() += r.weight * arm_m * arm_m.transpose();
+  }
+  equations.unscale = scaling_of(scatter_m2 / equations.weight);
+  Matrix6 information = Matrix6::Zero();
+  Vector6 gradient = Vector6::Zero();
+  for (const PlaneResidual& r : residuals) {
+    const Vector6 j = plain_jacobian(r, equations.centre_m);
+    information.noalias() += r.weight * j * j.transpose();
+    gradient += r.weight * r.residual_m * j;
+  }
+  equations.information = equations.unscale.transpose() * information * equations.unscale;
+  equations.gradient = equations.unscale.transpose() * gradient;
+  return equations;
+}
+
+ObservableSplit split_observable(const NormalEquations& equations) {
+  ObservableSplit split;
+  if (!(equations.weight > 0.0)) {
+    split.unobservable = 6;
+    split.directions = Matrix6::Identity();
+    return split;
+  }
+  const Eigen::SelfAdjointEigenSolver<Matrix6> solver(equations.information / equations.weight);
+  split.shares = solver.eigenvalues();
+  split.directions = solver.eigenvectors();
+  while (split.unobservable < 6 && split.shares[split.unobservable] < kLeastShare) ++split.unobservable;
+  return split;
+}
+
+Vector6 solve_observable(const NormalEquations& equations, const ObservableSplit& split) {
+  return -(equations.unscale * (observable_inverse(equations, split) * equations.gradient));
+}
+
+Matrix6 cluster_covariance(std::span<const PlaneResidual> residuals, const NormalEquations& equations,
+                           const ObservableSplit& split, double cell_m, double floor_m, double prior_translation_m,
+                           double prior_rotation_rad) {
+  std::map<std::array<int, 3>, Vector6> cells;
+  for (const PlaneResidual& r : residuals) {
+    const Eigen::Vector3i cell = (r.point_m / cell_m).array().floor().matrix().cast<int>();
+    auto [it, fresh] = cells.try_emplace({cell.z(), cell.y(), cell.x()}, Vector6::Zero());
+    it->second += r.weight * r.residual_m * jacobian(r, equations);
+  }
+  Matrix6 meat = Matrix6::Zero();
+  for (const auto& [cell, gradient] : cells) meat += gradient * gradient.transpose();
+  const double count = static_cast<double>(cells.size());
+  if (count > 6.0) meat *= count / (count - 6.0);  // six unknowns were fitted to these cells
+  const Matrix6 inverse = observable_inverse(equations, split);
+  Matrix6 covariance = inverse * meat * inverse.transpose();
+  for (int k = 0; k < 6; ++k) {
+    const Vector6 direction = split.directions.col(k);
+    // The prior belongs to (v, w); a scaled unit direction moves by this much of each.
+    const Vector6 moved = equations.unscale * direction;
+    const double in_priors = moved.head<3>().squaredNorm() / (prior_translation_m * prior_translation_m) +
+                             moved.tail<3>().squaredNorm() / (prior_rotation_rad * prior_rotation_rad);
+    const double prior2 = 1.0 / in_priors;
+    covariance += (k < split.unobservable ? prior2 : floor_m * floor_m) * direction * direction.transpose();
+  }
+  return equations.unscale * covariance * equations.unscale.transpose();
+}
+
+Matrix6 covariance_in_source(const Matrix6& about_centre, const Eigen::Vector3d& centre_m,
+                             const Pose3& T_target_source) {
+  // x -> c + w x (x - c) + v moves the target frame's origin by v - w x c.
+  Matrix6 to_origin = Matrix6::Identity();
+  to_origin.topRightCorner<3, 3>() = skew(centre_m);
+  const Matrix6 to_source = adjoint(T_target_source.inverse()) * to_origin;
+  const Matrix6 moved = to_source * about_centre * to_source.transpose();
+  return 0.5 * (moved + moved.transpose());
+}
+
+Pose3 motion_about(const Eigen::Vector3d& centre_m, const Vector6& step) {
+  Vector6 turn = Vector6::Zero();
+  turn.tail<3>() = step.tail<3>();
+  const Pose3 rotation = Pose3::exp(turn);
+  const Eigen::Vector3d translation_m = centre_m + step.head<3>() - rotation.rotation() * centre_m;
+  return {rotation.rotation(), translation_m};
+}
+
+}  // namespace kilter

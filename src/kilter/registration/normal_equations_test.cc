@@ -1,0 +1,108 @@
+// SPDX-FileCopyrightText: The kilter authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "kilter/registration/normal_equations.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Eigenvalues>
+
+#include "kilter/base/rng.h"
+
+namespace kilter {
+namespace {
+
+// Points on the faces of a box, displaced by a known small motion; `axes` says which faces exist.
+std::vector<PlaneResidual> box_residuals(const Pose3& motion, std::array<bool, 3> axes, double noise_m,
+                                         std::uint64_t seed) {
+  Rng rng(seed, 0);
+  std::vector<PlaneResidual> residuals;
+  for (int i = 0; i < 3000; ++i) {
+    const int axis = i % 3;
+    if (!axes[static_cast<std::size_t>(axis)]) continue;
+    Eigen::Vector3d point(rng.uniform(-4, 4), rng.uniform(-4, 4), rng.uniform(-4, 4));
+    point[axis] = i % 2 == 0 ? 4.0 : -4.0;
+    const Eigen::Vector3d moved = motion * point;
+    residuals.push_back({moved, Eigen::Vector3d::Unit(axis), (moved - point)[axis] + noise_m * rng.normal(), 1.0});
+  }
+  return residuals;
+}
+
+TEST(NormalEquations, OneStepUndoesASmallMotion) {
+  const Vector6 twist = (Vector6() << 0.01, -0.02, 0.015, 0.001, 0.002, -0.0015).finished();
+  const auto residuals = box_residuals(Pose3::exp(twist), {true, true, true}, 0.0, 1);
+  const NormalEquations equations = build_normal_equations(residuals);
+  const Vector6 step = solve_observable(equations, split_observable(equations));
+  const Pose3 rest = motion_about(equations.centre_m, step) * Pose3::exp(twist);
+  EXPECT_LT(rest.log().norm(), 1e-4);
+}
+
+TEST(NormalEquations, InformationMatchesNumericalDerivatives) {
+  const auto residuals = box_residuals(Pose3::from_translation(0.1, 0.0, 0.0), {true, true, true}, 0.02, 2);
+  const NormalEquations equations = build_normal_equations(residuals);
+  for (int k = 0; k < 6; ++k) {
+    const double h = 1e-6;
+    const Vector6 nudge = h * equations.unscale.col(k);
+    const Pose3 motion = motion_about(equations.centre_m, nudge);
+    double derivative = 0.0;
+    for (const PlaneResidual& r : residuals) {
+      const double nudged = r.residual_m + r.direction.dot(motion * r.point_m - r.point_m);
+      derivative += r.weight * r.residual_m * (nudged - r.residual_m) / h;
+    }
+    EXPECT_NEAR(derivative, equations.gradient[k], 1e-3 * std::max(1.0, std::abs(equations.gradient[k])));
+  }
+}
+
+TEST(SplitObservable, NamesTheDirectionThatNoFaceFixes) {
+  const auto residuals = box_residuals({}, {false, true, true}, 0.01, 3);
+  const NormalEquations equations = build_normal_equations(residuals);
+  const ObservableSplit split = split_observable(equations);
+  ASSERT_EQ(split.unobservable, 1);
+  EXPECT_GT(std::abs((equations.unscale * split.directions.col(0))[0]), 0.99);
+  const Vector6 step = solve_observable(equations, split);
+  EXPECT_LT(std::abs(step[0]), 1e-3);
+}
+
+TEST(ClusterCovariance, IndependentNoiseGivesTheTextbookCovariance) {
+  Eigen::Vector3d empirical = Eigen::Vector3d::Zero();
+  Eigen::Vector3d claimed = Eigen::Vector3d::Zero();
+  constexpr int kTrials = 200;
+  for (int trial = 0; trial < kTrials; ++trial) {
+    const auto residuals = box_residuals({}, {true, true, true}, 0.02, 100 + static_cast<std::uint64_t>(trial));
+    const NormalEquations equations = build_normal_equations(residuals);
+    const ObservableSplit split = split_observable(equations);
+    const Vector6 step = solve_observable(equations, split);
+    empirical += step.head<3>().cwiseAbs2() / kTrials;
+    claimed += cluster_covariance(residuals, equations, split, 1.0, 0.0, 1.0, 0.1).diagonal().head<3>() / kTrials;
+  }
+  for (int axis = 0; axis < 3; ++axis) EXPECT_NEAR(claimed[axis] / empirical[axis], 1.0, 0.3);
+}
+
+TEST(ClusterCovariance, UnobservableDirectionsHoldThePrior) {
+  const auto residuals = box_residuals({}, {false, true, true}, 0.01, 4);
+  const NormalEquations equations = build_normal_equations(residuals);
+  const Matrix6 covariance =
+      cluster_covariance(residuals, equations, split_observable(equations), 1.0, 0.005, 0.7, 0.1);
+  EXPECT_NEAR(std::sqrt(covariance(0, 0)), 0.7, 0.02);
+  EXPECT_LT(std::sqrt(covariance(1, 1)), 0.02);
+}
+
+TEST(CovarianceInSource, AgreesWithSampling) {
+  Rng rng(9, 0);
+  const Pose3 T(Eigen::Quaterniond(Eigen::AngleAxisd(0.8, Eigen::Vector3d(1, 2, 0.5).normalized())), {3.0, -1.0, 2.0});
+  const Eigen::Vector3d centre(10.0, 4.0, 1.0);
+  Vector6 sigmas;
+  sigmas << 0.01, 0.02, 0.03, 0.001, 0.002, 0.003;
+  const Matrix6 claimed = covariance_in_source(sigmas.cwiseAbs2().asDiagonal(), centre, T);
+  Matrix6 sampled = Matrix6::Zero();
+  constexpr int kSamples = 20000;
+  for (int i = 0; i < kSamples; ++i) {
+    Vector6 step;
+    for (int k = 0; k < 6; ++k) step[k] = sigmas[k] * rng.normal();
+    const Vector6 xi = (T.inverse() * (motion_about(centre, step) * T)).log();
+    sampled += xi * xi.transpose() / kSamples;
+  }
+  EXPECT_LT((sampled - claimed).norm(), 0.05 * claimed.norm());
+}
+
+}  // namespace
+}  // namespace kilter

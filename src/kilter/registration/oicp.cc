@@ -1,0 +1,159 @@
+// SPDX-FileCopyrightText: The kilter authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "kilter/registration/oicp.h"
+
+#include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "kilter/registration/normal_equations.h"
+
+namespace kilter {
+namespace {
+
+constexpr double kShrink = 0.85;
+constexpr double kFinalSearchVoxels = 3.0;
+constexpr double kMaxOccupancyDifference = 0.4;
+constexpr double kSmallTurn_rad = 1e-4;
+constexpr int kSettledIterations = 3;
+constexpr double kCell_m = 1.0;
+
+struct PointMatch {
+  Eigen::Vector3d source_m;  // in the target's frame
+  Eigen::Vector3d target_m;
+  std::uint32_t target_voxel = 0;
+  double distance_m = 0.0;
+  double weight = 0.0;
+};
+
+std::vector<PointMatch> match_points(const NearestVoxelSearch& source, const NearestVoxelSearch& target,
+                                     const Pose3& T_target_source, double search_m) {
+  const Eigen::Isometry3d T = T_target_source.isometry();
+  const double two_voxels_m = 2.0 * target.map().resolution_m();
+  std::vector<PointMatch> matches;
+  for (std::size_t i = 0; i < source.map().voxels().size(); ++i) {
+    const Eigen::Vector3d at_m = T * voxel_position_m(source.map(), i, source.position());
+    const std::optional<NearestVoxel> nearest = target.nearest(at_m, search_m);
+    if (!nearest) continue;
+    const double p_source = source.map().probability(i);
+    const double p_target = target.map().probability(nearest->voxel);
+    if (std::abs(p_source - p_target) > kMaxOccupancyDifference) continue;
+    const double ratio = nearest->distance_m / two_voxels_m;
+    matches.push_back({at_m, voxel_position_m(target.map(), nearest->voxel, target.position()), nearest->voxel,
+                       nearest->distance_m, p_source * p_target / (1.0 + ratio * ratio)});
+  }
+  return matches;
+}
+
+// Keeps the nearest source of every target voxel, then the best fraction of those.
+void trim(std::vector<PointMatch>& matches, double fraction) {
+  std::stable_sort(matches.begin(), matches.end(), [](const PointMatch& a, const PointMatch& b) {
+    return a.target_voxel != b.target_voxel ? a.target_voxel < b.target_voxel : a.distance_m < b.distance_m;
+  });
+  matches.erase(
+      std::unique(matches.begin(), matches.end(),
+                  [](const PointMatch& a, const PointMatch& b) { return a.target_voxel == b.target_voxel; }),
+      matches.end());
+  std::stable_sort(matches.begin(), matches.end(),
+                   [](const PointMatch& a, const PointMatch& b) { return a.distance_m < b.distance_m; });
+  matches.resize(static_cast<std::size_t>(std::ceil(fraction * static_cast<double>(matches.size()))));
+}
+
+// The rigid motion that brings weighted source points closest to their targets (Kabsch).
+Pose3 rigid_fit(const std::vector<PointMatch>& matches) {
+  double weight = 0.0;
+  Eigen::Vector3d source_mean = Eigen::Vector3d::Zero();
+  Eigen::Vector3d target_mean = Eigen::Vector3d::Zero();
+  for (const PointMatch& m : matches) {
+    weight += m.weight;
+    source_mean += m.weight * m.source_m;
+    target_mean += m.weight * m.target_m;
+  }
+  source_mean /= weight;
+  target_mean /= weight;
+  Eigen::Matrix3d cross = Eigen::Matrix3d::Zero();
+  for (const PointMatch& m : matches) {
+    cross += m.weight * (m.source_m - source_mean) * (m.target_m - target_mean).transpose();
+  }
+  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(cross, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  Eigen::Matrix3d flip = Eigen::Matrix3d::Identity();
+  flip(2, 2) = (svd.matrixV() * svd.matrixU().transpose()).determinant() < 0.0 ? -1.0 : 1.0;
+  const Eigen::Matrix3d R = svd.matrixV() * flip * svd.matrixU().transpose();
+  return {Eigen::Quaterniond(R), target_mean - R * source_mean};
+}
+
+// Every axis of a point-to-point match is one residual: that makes the same normal equations serve.
+std::vector<PlaneResidual> axis_residuals(const std::vector<PointMatch>& matches) {
+  std::vector<PlaneResidual> residuals;
+  residuals.reserve(3 * matches.size());
+  for (const PointMatch& m : matches) {
+    for (int axis = 0; axis < 3; ++axis) {
+      residuals.push_back({m.source_m, Eigen::Vector3d::Unit(axis), (m.source_m - m.target_m)[axis], m.weight});
+    }
+  }
+  return residuals;
+}
+
+double overlap_at(const NearestVoxelSearch& source, const NearestVoxelSearch& target, const Pose3& T,
+                  double search_m) {
+  std::size_t matched = 0;
+  const std::size_t count = source.map().voxels().size();
+  for (std::size_t i = 0; i < count; ++i) {
+    if (target.nearest(T * voxel_position_m(source.map(), i, source.position()), search_m)) ++matched;
+  }
+  return count == 0 ? 0.0 : static_cast<double>(matched) / static_cast<double>(count);
+}
+
+}  // namespace
+
+RegistrationResult align_oicp(const NearestVoxelSearch& source, const NearestVoxelSearch& target, const Pose3& start,
+                              const RegistrationOptions& options, const RegistrationPrior& prior) {
+  RegistrationResult result;
+  result.T_target_source = start;
+  const double resolution_m = target.map().resolution_m();
+  const double final_search_m = std::min(kFinalSearchVoxels * resolution_m, options.search_distance_m);
+  const double start_overlap = overlap_at(source, target, start, options.search_distance_m);
+  const double kept = std::clamp(start_overlap, 0.3, 0.9);
+  double search_m = options.search_distance_m;
+  Pose3 T = start;
+  std::vector<PointMatch> matches;
+  int settled = 0;
+  while (settled < kSettledIterations && result.iterations < options.max_iterations) {
+    ++result.iterations;
+    matches = match_points(source, target, T, search_m);
+    trim(matches, kept);
+    if (matches.size() < static_cast<std::size_t>(options.min_matches)) return result;
+    const Pose3 step = rigid_fit(matches);
+    T = step * T;
+    const Pose3 moved = T * start.inverse();
+    if (moved.angle_rad() > options.max_rotation_rad ||
+        (moved * matches.front().source_m - matches.front().source_m).norm() >
+            prior.translation_m + options.search_distance_m) {
+      result.stop = StopReason::kOutOfRange;
+      return result;
+    }
+    const Eigen::Vector3d probe_m = matches.front().source_m;
+    const bool small = (step * probe_m - probe_m).norm() < resolution_m / 200.0 && step.angle_rad() < kSmallTurn_rad;
+    settled = small && search_m <= final_search_m ? settled + 1 : 0;
+    search_m = std::max(search_m * kShrink, final_search_m);
+  }
+  if (overlap_at(source, target, T, options.search_distance_m) < 0.8 * start_overlap) {
+    result.stop = StopReason::kOverlapLost;
+    return result;
+  }
+  const std::vector<PlaneResidual> residuals = axis_residuals(matches);
+  const NormalEquations equations = build_normal_equations(residuals);
+  const ObservableSplit split = split_observable(equations);
+  result.stop = settled >= kSettledIterations ? StopReason::kConverged : StopReason::kMaxIterations;
+  result.T_target_source = T;
+  result.matches = matches.size();
+  result.residual_rms_m = std::sqrt(3.0 * equations.squares_m2 / equations.weight);
+  result.centre_target_m = equations.centre_m;
+  const Matrix6 about_centre = cluster_covariance(residuals, equations, split, kCell_m, 0.5 * resolution_m,
+                                                  prior.translation_m, prior.rotation_rad);
+  result.covariance = covariance_in_source(about_centre, equations.centre_m, T);
+  return result;
+}
+
+}  // namespace kilter

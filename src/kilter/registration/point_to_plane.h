@@ -1,0 +1,18 @@
+// SPDX-FileCopyrightText: The kilter authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "kilter/registration/registration.h"
+
+namespace kilter {
+
+/// Gauss-Newton on r = n_t . (T p_s - c_t) with a Geman-McClure kernel whose scale follows the residuals, search
+/// distance shrinking from search_distance_m to a few voxels, normals required to agree. Directions with too little
+/// information are left at the start ("solution remapping"). \sa align_submaps.
+[[nodiscard]] RegistrationResult align_point_to_plane(const NearestVoxelSearch& source,
+                                                      const NearestVoxelSearch& target,
+                                                      const Pose3& T_target_source_start,
+                                                      const RegistrationOptions& options,
+                                                      const RegistrationPrior& prior);
+
+}  // namespace kilter

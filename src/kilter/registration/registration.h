@@ -1,0 +1,76 @@
+// SPDX-FileCopyrightText: The kilter authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <string_view>
+#include <vector>
+
+#include "kilter/base/option_table.h"
+#include "kilter/geometry/pose3.h"
+#include "kilter/matching/nearest_voxel.h"
+
+namespace kilter {
+
+enum class RegistrationMethod {
+  kPointToPlane,  ///< voxel centroids against the planes through the closest centroids
+  kOicp,          ///< the seed's reference [4] as far as it is known: point to point, occupancy-weighted, trimmed
+};
+
+/// How a pair is aligned.
+struct RegistrationOptions {
+  RegistrationMethod method = RegistrationMethod::kPointToPlane;
+  int max_iterations = 80;
+  int min_matches = 200;          ///< fewer correspondences end it as kTooFewMatches
+  double search_distance_m = 1.0; ///< correspondences of the first iterations may be this far. [m]
+  double max_rotation_rad = 0.35; ///< more than this from the start is refused. [rad]
+  int max_points = 6000;          ///< source voxels used while iterating (evenly picked)
+};
+
+[[nodiscard]] std::vector<OptionField> fields(RegistrationOptions& options);
+
+enum class StopReason {
+  kConverged,
+  kMaxIterations,   ///< still moving when iterations ran out
+  kTooFewMatches,   ///< correspondences fell below min_matches
+  kOverlapLost,     ///< the aligned pair overlaps by over a fifth less than before
+  kOutOfRange,      ///< moved farther than the start can be wrong
+  kDegenerate,      ///< no direction is fixed by the scene
+};
+
+[[nodiscard]] std::string_view to_string(StopReason reason);
+
+/// What is believed before looking: how far the start may be off. Sets the range of the search and the variance of
+/// directions that the scene does not fix.
+struct RegistrationPrior {
+  double translation_m = 1.0;
+  double rotation_rad = 0.1;
+};
+
+/// The aligned pose of one pair and how well it is known.
+struct RegistrationResult {
+  StopReason stop = StopReason::kTooFewMatches;
+  Pose3 T_target_source;          ///< the start, if not converged
+  int iterations = 0;
+  std::size_t matches = 0;        ///< correspondences at the end, of all source voxels
+  double residual_rms_m = 0.0;    ///< robust-weighted, at the end. [m]
+  /// Row-major meaning: T_target_source * Exp(xi), xi = (x y z rx ry rz) in the source's frame. Directions that the
+  /// scene does not fix hold the prior's variance.
+  Matrix6 covariance = Matrix6::Zero();
+  Eigen::Vector3d centre_target_m = Eigen::Vector3d::Zero();  ///< middle of the matched voxels, target frame
+  /// Unit twists about `centre_target_m` along the target's axes that the scene does not fix.
+  std::vector<Vector6> unobservable;
+
+  [[nodiscard]] bool converged() const { return stop == StopReason::kConverged; }
+};
+
+/// Aligns the source to the target, starting from the map's relative pose.
+///
+/// \param source, target  searches over centroids for point-to-plane; over the seed's positions for OICP.
+/// Never fails with an error: a registration that did not work says so in `stop`. Deterministic.
+[[nodiscard]] RegistrationResult align_submaps(const NearestVoxelSearch& source, const NearestVoxelSearch& target,
+                                               const Pose3& T_target_source_start, const RegistrationOptions& options,
+                                               const RegistrationPrior& prior);
+
+}  // namespace kilter

@@ -1,0 +1,104 @@
+// SPDX-FileCopyrightText: The kilter authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "kilter/registration/registration.h"
+
+#include <gtest/gtest.h>
+
+#include "testing/scenes.h"
+
+namespace kilter {
+namespace {
+
+using testing::submap_of;
+
+Pose3 pose_at(double x, double y, double z, double yaw) {
+  return {Eigen::Quaterniond(Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ())), {x, y, z}};
+}
+
+// Two submaps of one scene from different places, and the pose that brings the source onto the target.
+struct TestPair {
+  Submap target;
+  Submap source;
+  Pose3 T_target_source;
+};
+
+TestPair room_pair() {
+  const auto scene = testing::furnished_room();
+  const std::vector<Pose3> first = {pose_at(3.03, 2.52, 1.04, 0.1), pose_at(4.03, 3.02, 1.04, 0.3)};
+  const std::vector<Pose3> second = {pose_at(8.21, 3.53, 1.02, 2.0), pose_at(7.51, 5.53, 1.02, 1.7)};
+  return {submap_of(scene, first, first[0], 1), submap_of(scene, second, second[0], 2),
+          first[0].inverse() * second[0]};
+}
+
+RegistrationResult run(const TestPair& pair, const Pose3& start, RegistrationMethod method) {
+  const VoxelPosition position =
+      method == RegistrationMethod::kOicp ? VoxelPosition::kCentre : VoxelPosition::kCentroid;
+  const NearestVoxelSearch source(pair.source.map, position, 1.0);
+  const NearestVoxelSearch target(pair.target.map, position, 1.0);
+  return align_submaps(source, target, start, {.method = method}, {});
+}
+
+TEST(AlignSubmaps, PointToPlaneFindsTheTruthFromDriftedStarts) {
+  const TestPair pair = room_pair();
+  for (const double shift_m : {0.0, 0.1, 0.3, 0.5}) {
+    const Pose3 start = pose_at(shift_m, -0.5 * shift_m, 0.2 * shift_m, 0.1 * shift_m) * pair.T_target_source;
+    const RegistrationResult result = run(pair, start, RegistrationMethod::kPointToPlane);
+    ASSERT_TRUE(result.converged()) << to_string(result.stop) << " from " << shift_m;
+    const Pose3 error = pair.T_target_source.inverse() * result.T_target_source;
+    EXPECT_LT(error.translation_m().norm(), 0.02) << shift_m;
+    EXPECT_LT(error.angle_rad(), 0.004) << shift_m;
+    EXPECT_TRUE(result.unobservable.empty());
+  }
+}
+
+TEST(AlignSubmaps, CovarianceCoversTheErrorButIsNotVast) {
+  const TestPair pair = room_pair();
+  const RegistrationResult result = run(pair, pair.T_target_source, RegistrationMethod::kPointToPlane);
+  const Vector6 error = (result.T_target_source.inverse() * pair.T_target_source).log();
+  const double nees = error.dot(result.covariance.ldlt().solve(error)) / 6.0;
+  EXPECT_LT(nees, 6.0);
+  EXPECT_LT(result.covariance.diagonal().head<3>().cwiseSqrt().maxCoeff(), 0.05);
+}
+
+TEST(AlignSubmaps, OicpComesNearFromCloseStarts) {
+  const TestPair pair = room_pair();
+  const Pose3 start = pose_at(0.2, -0.1, 0.0, 0.02) * pair.T_target_source;
+  const RegistrationResult result = run(pair, start, RegistrationMethod::kOicp);
+  ASSERT_TRUE(result.converged()) << to_string(result.stop);
+  EXPECT_LT((pair.T_target_source.inverse() * result.T_target_source).translation_m().norm(), 0.12);
+}
+
+TEST(AlignSubmaps, CorridorAxisIsReportedAndHeldAtTheStart) {
+  const auto scene = testing::bare_corridor();
+  const std::vector<Pose3> first = {pose_at(0.03, 0.02, 1.04, 0.0), pose_at(2.03, 0.12, 1.04, 0.0)};
+  const std::vector<Pose3> second = {pose_at(5.03, -0.22, 1.04, 0.0), pose_at(7.03, 0.12, 1.04, 0.0)};
+  const TestPair pair{submap_of(scene, first, first[0], 1), submap_of(scene, second, second[0], 2),
+                      first[0].inverse() * second[0]};
+  const Pose3 start = pose_at(0.25, 0.15, 0.0, 0.01) * pair.T_target_source;
+  const RegistrationResult result = run(pair, start, RegistrationMethod::kPointToPlane);
+  ASSERT_TRUE(result.converged()) << to_string(result.stop);
+  ASSERT_EQ(result.unobservable.size(), 1U);
+  EXPECT_GT(std::abs(result.unobservable[0][0]), 0.95);
+  EXPECT_NEAR((pair.T_target_source.inverse() * result.T_target_source).translation_m().y(), 0.0, 0.02);
+  EXPECT_GT(std::sqrt(result.covariance(0, 0)), 0.5);  // the prior's, not a claim
+}
+
+TEST(AlignSubmaps, FailuresSayWhy) {
+  const TestPair pair = room_pair();
+  const RegistrationResult far =
+      run(pair, pose_at(60.0, 0.0, 0.0, 0.0) * pair.T_target_source, RegistrationMethod::kPointToPlane);
+  EXPECT_EQ(far.stop, StopReason::kTooFewMatches);
+  EXPECT_EQ(run(pair, pose_at(60.0, 0.0, 0.0, 0.0), RegistrationMethod::kOicp).stop, StopReason::kTooFewMatches);
+}
+
+TEST(AlignSubmaps, GivesTheSameBitsEachTime) {
+  const TestPair pair = room_pair();
+  const Pose3 start = pose_at(0.1, 0.0, 0.0, 0.0) * pair.T_target_source;
+  const RegistrationResult once = run(pair, start, RegistrationMethod::kPointToPlane);
+  const RegistrationResult again = run(pair, start, RegistrationMethod::kPointToPlane);
+  EXPECT_EQ(once.T_target_source.translation_m(), again.T_target_source.translation_m());
+  EXPECT_EQ(once.covariance, again.covariance);
+}
+
+}  // namespace
+}  // namespace kilter

@@ -1,0 +1,103 @@
+// SPDX-FileCopyrightText: The kilter authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "kilter/submap/build_submaps.h"
+
+#include <fmt/format.h>
+
+#include "kilter/occupancy/map_builder.h"
+
+namespace kilter {
+namespace {
+
+Expected<void> check_cuts(const RobotLog& log, const std::vector<ScanRange>& cuts) {
+  std::size_t next = 0;
+  for (const ScanRange& range : cuts) {
+    if (range.first != next || range.last < range.first) {
+      return fail(ErrorCode::kCountMismatch, fmt::format("cuts of robot {} do not follow each other at scan {}",
+                                                         printable(log.name), next));
+    }
+    next = range.last + 1;
+  }
+  if (next != log.T_world_cloud.size()) {
+    return fail(ErrorCode::kCountMismatch,
+                fmt::format("cuts of robot {} cover {} scans, but it has {}", printable(log.name), next,
+                            log.T_world_cloud.size()),
+                {}, "use --cuts with a result made from the same scans");
+  }
+  return {};
+}
+
+std::vector<ScanRange> one_per_cloud(std::size_t count) {
+  std::vector<ScanRange> ranges(count);
+  for (std::size_t i = 0; i < count; ++i) ranges[i] = {i, i};
+  return ranges;
+}
+
+// The first scan is the submap's frame: exactly the identity, so no rounding of the world pose reaches its voxels.
+Pose3 pose_in_submap(const RobotLog& log, std::size_t first, std::size_t scan) {
+  return scan == first ? Pose3() : log.T_world_cloud[first].inverse() * log.T_world_cloud[scan];
+}
+
+Expected<void> integrate(const RobotLog& log, std::size_t scan, const Pose3& T_submap_scan, MapBuilder& builder,
+                         Submap& submap) {
+  Expected<PointCloud> cloud = log.read_cloud(scan);
+  if (!cloud) return pass_up(cloud.error());
+  submap.dropped_points += cloud->dropped_nonfinite + cloud->dropped_far;
+  std::vector<Eigen::Vector3d> points_m;
+  points_m.reserve(cloud->points_m.size());
+  const Eigen::Isometry3d T = T_submap_scan.isometry();
+  for (const Eigen::Vector3f& point : cloud->points_m) points_m.emplace_back(T * point.cast<double>());
+  if (log.finished_submaps) {
+    builder.insert_points(points_m);
+  } else {
+    builder.insert_scan(points_m, T_submap_scan.translation_m());
+    submap.origins_m.push_back(T_submap_scan.translation_m());
+  }
+  return {};
+}
+
+Expected<Submap> build_one(const RobotLog& log, const ScanRange& range, const SubmapOptions& options,
+                           const RunContext& run) {
+  Submap submap;
+  submap.T_world_submap = log.T_world_cloud[range.first];
+  if (!log.finished_submaps) submap.scans = range;
+  MapBuilder builder(options.occupancy);
+  for (std::size_t scan = range.first; scan <= range.last; ++scan) {
+    if (run.stop_requested()) return fail(ErrorCode::kCancelled, "stopped while building submaps");
+    const Expected<void> done = integrate(log, scan, pose_in_submap(log, range.first, scan), builder, submap);
+    if (!done) return pass_up(done.error());
+  }
+  submap.map = builder.finish();
+  return submap;
+}
+
+}  // namespace
+
+Expected<std::vector<Submap>> build_submaps(const RobotLog& log, int robot_number, const SubmapOptions& options,
+                                            const RunContext& run, const std::optional<std::vector<ScanRange>>& cuts) {
+  std::vector<ScanRange> ranges = log.finished_submaps ? one_per_cloud(log.T_world_cloud.size())
+                                                       : cut_trajectory(log.T_world_cloud, options.cutting);
+  if (cuts && !log.finished_submaps) {
+    const Expected<void> fit = check_cuts(log, *cuts);
+    if (!fit) return pass_up(fit.error());
+    ranges = *cuts;
+  }
+  const std::vector<double> path = path_lengths_m(log.T_world_cloud);
+  std::vector<Expected<Submap>> built(ranges.size(), fail(ErrorCode::kCancelled, "stopped while building submaps"));
+  parallel_for(ranges.size(), run, [&](std::size_t i) { built[i] = build_one(log, ranges[i], options, run); });
+  std::vector<Submap> submaps;
+  submaps.reserve(ranges.size());
+  for (std::size_t i = 0; i < ranges.size(); ++i) {
+    if (!built[i]) return pass_up(built[i].error());
+    Submap& submap = submaps.emplace_back(std::move(*built[i]));
+    submap.id = {static_cast<int>(i)};
+    submap.robot = robot_number;
+    submap.index = static_cast<int>(i);
+    submap.name = fmt::format("{}/{}", log.name, i + 1);
+    submap.path_start_m = path[ranges[i].first];
+    submap.path_end_m = path[ranges[i].last];
+  }
+  return submaps;
+}
+
+}  // namespace kilter

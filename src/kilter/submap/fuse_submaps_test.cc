@@ -1,0 +1,55 @@
+// SPDX-FileCopyrightText: The kilter authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "kilter/submap/fuse_submaps.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "kilter/occupancy/map_builder.h"
+
+namespace kilter {
+namespace {
+
+Submap submap_seeing(const std::vector<Eigen::Vector3d>& points_m, const Pose3& T_world_submap, int robot) {
+  Submap submap;
+  submap.robot = robot;
+  submap.T_world_submap = T_world_submap;
+  MapBuilder builder({.resolution_m = 0.1, .min_range_m = 0.0});
+  builder.insert_scan(points_m, {0.05, 0.05, 0.05});
+  submap.map = builder.finish();
+  return submap;
+}
+
+TEST(FuseSubmaps, SumsLogOddsWhereSubmapsAgree) {
+  const Submap a = submap_seeing({{1.05, 0.05, 0.05}}, Pose3::from_translation(5.0, 0.0, 0.0), 0);
+  const Submap b = submap_seeing({{2.05, 0.05, 0.05}}, Pose3::from_translation(4.0, 0.0, 0.0), 1);
+  const std::vector<const Submap*> both = {&a, &b};
+  const std::vector<FusedVoxel> fused = fuse_submaps(both, {});
+  ASSERT_EQ(fused.size(), 1U);
+  EXPECT_NEAR(fused[0].log_odds, 2.0 * std::log(0.7 / 0.3), 1e-6);
+  EXPECT_LT((fused[0].centroid_world_m - Eigen::Vector3d(6.05, 0.05, 0.05)).norm(), 1e-6);
+  EXPECT_EQ(fused[0].robot, 0);
+}
+
+TEST(FuseSubmaps, FreeSpaceOfOneLowersWhatAnotherSawButKeepsIt) {
+  const Submap a = submap_seeing({{1.05, 0.05, 0.05}}, {}, 0);
+  const Submap b = submap_seeing({{2.05, 0.05, 0.05}, {0.55, 0.55, 0.05}}, {}, 0);
+  const std::vector<const Submap*> both = {&a, &b};
+  const std::vector<FusedVoxel> fused = fuse_submaps(both, {});
+  ASSERT_EQ(fused.size(), 3U);
+  double lowest = 10.0;
+  for (const FusedVoxel& voxel : fused) lowest = std::min(lowest, voxel.log_odds);
+  EXPECT_NEAR(lowest, std::log(0.7 / 0.3) + std::log(0.4 / 0.6), 1e-6);  // the near wall, seen through by b
+}
+
+TEST(FuseSubmaps, WorksFarFromTheOrigin) {
+  const Submap a = submap_seeing({{1.05, 0.05, 0.05}}, Pose3::from_translation(5e5, 5e6, 100.0), 0);
+  const std::vector<const Submap*> one = {&a};
+  const std::vector<FusedVoxel> fused = fuse_submaps(one, {});
+  ASSERT_EQ(fused.size(), 1U);
+  EXPECT_NEAR(fused[0].centroid_world_m.x(), 500001.05, 1e-5);
+}
+
+}  // namespace
+}  // namespace kilter

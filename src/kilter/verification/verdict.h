@@ -1,0 +1,105 @@
+// SPDX-FileCopyrightText: The kilter authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "kilter/geometry/pose3.h"
+#include "kilter/submap/ids.h"
+
+namespace kilter {
+
+enum class Verdict {
+  kConsistent,    ///< disagreement below the tolerance is established, in every direction
+  kInconsistent,  ///< disagreement above the tolerance is established
+  kUnverified,    ///< neither; the reason says why
+};
+
+enum class MapState { kConsistent, kInconsistent, kUndetermined };
+
+[[nodiscard]] constexpr std::string_view to_string(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::kConsistent:
+      return "consistent";
+    case Verdict::kInconsistent:
+      return "inconsistent";
+    case Verdict::kUnverified:
+      return "unverified";
+  }
+  return "";
+}
+
+[[nodiscard]] constexpr std::string_view to_string(MapState state) {
+  switch (state) {
+    case MapState::kConsistent:
+      return "consistent";
+    case MapState::kInconsistent:
+      return "inconsistent";
+    case MapState::kUndetermined:
+      return "undetermined";
+  }
+  return "";
+}
+
+/// One piece of evidence: what was measured, what a good pair of this map shows, and how strongly it speaks
+/// (natural log of the likelihood ratio inconsistent : consistent). Absent where not computed.
+struct Evidence {
+  std::optional<double> value;
+  std::optional<double> null;
+  std::optional<double> log_ratio;
+};
+
+/// The answer for one pair, with what it rests on.
+struct PairVerdict {
+  Verdict verdict = Verdict::kUnverified;
+  std::string reason;  ///< one sentence, also for decided pairs
+  std::map<std::string, Evidence> evidence;
+  std::optional<double> offset_m;  ///< RMS displacement over the overlap, registered against map. [m]
+  std::optional<std::array<double, 2>> offset_interval_m;  ///< 95 %, over the observable directions. [m]
+  std::optional<double> offset_rad;                        ///< rotation part
+  std::optional<Eigen::Vector3d> offset_vector_m;  ///< registered minus map at the overlap's centre, target axes
+  std::optional<double> gap_m;                     ///< double-wall gap
+  std::optional<double> minimum_detectable_m;      ///< smallest offset that this pair would reveal. [m]
+  std::vector<Vector6> unobservable;  ///< unit twists about the overlap's centre, target axes
+  std::optional<double> p_value;      ///< for "at most the tolerance"
+  std::optional<double> log_odds;     ///< ln(p / (1 - p)) of p_inconsistent
+  std::optional<double> p_inconsistent;
+};
+
+/// Eq. (6)-(7) as sums of log(1 - p_inconsistent); absent where no pair of that level has a probability.
+struct LogProbability {
+  std::optional<double> total;
+  std::optional<double> per_pair;                     ///< total / number of pairs
+  std::map<std::string, double> sequential;           ///< by robot
+  std::map<std::string, double> local;                ///< by robot
+  std::map<std::string, double> global;               ///< by "a,b"
+};
+
+/// Share of the overlapping pairs that were decided; absent for kinds that do not occur.
+struct DecidedShares {
+  std::optional<double> sequential;
+  std::optional<double> local;
+  std::map<std::string, double> global;  ///< by "a,b", every two robots; 0 where they never meet
+};
+
+/// The answer for the whole map.
+struct MapVerdict {
+  MapState state = MapState::kUndetermined;
+  std::string reason;                          ///< one sentence
+  std::optional<double> certificate_m;         ///< smallest X of "consistent to X m at 95 %"
+  std::vector<PairId> certificate_excludes;    ///< overlapping pairs that the certificate says nothing about
+  LogProbability log_probability;
+  std::size_t tested = 0;
+  std::size_t inconsistent = 0;
+  std::size_t unverified = 0;
+  DecidedShares decided;
+};
+
+}  // namespace kilter
