@@ -54,17 +54,34 @@ std::optional<Meeting> first_return(Truth truth, std::size_t robot, std::size_t 
   return std::nullopt;
 }
 
-// The first scan of the robot from `begin` on that is near a scan of another robot.
-std::optional<Meeting> first_meeting(Truth truth, std::size_t robot, std::size_t begin) {
+// The first scan of the robot from `begin` on that is near one of the first `sound[other]` scans of another robot.
+std::optional<Meeting> first_meeting(Truth truth, std::size_t robot, std::size_t begin,
+                                     const std::vector<std::size_t>& sound) {
   for (std::size_t i = begin; i < truth[robot].path_m.size(); ++i) {
     const ScanRef here{robot, i};
     for (std::size_t other = 0; other < truth.size(); ++other) {
       if (other == robot) continue;
-      const auto there = nearest_scan(truth, here, other, 0, truth[other].path_m.size());
+      const auto there = nearest_scan(truth, here, other, 0, sound[other]);
       if (there && distance_m(truth, *there, here) < kSamePlace_m) return Meeting{*there, here};
     }
   }
   return std::nullopt;
+}
+
+// How many scans of each robot come before anything goes wrong with it.
+std::vector<std::size_t> sound_scans(Truth truth, std::span<const PlannedFault> faults) {
+  std::vector<std::size_t> sound;
+  for (const RobotMotion& robot : truth) sound.push_back(robot.path_m.size());
+  for (const PlannedFault& fault : faults) {
+    sound[fault.scan.robot] = std::min(sound[fault.scan.robot], fault.first.scan + 1);
+  }
+  return sound;
+}
+
+std::optional<Meeting> frame_meeting(Truth truth, std::size_t robot, std::size_t begin,
+                                     std::span<const PlannedFault> earlier) {
+  const auto meeting = first_meeting(truth, robot, begin, sound_scans(truth, earlier));
+  return meeting ? meeting : first_meeting(truth, robot, begin, sound_scans(truth, {}));
 }
 
 // The earlier scan whose true distance from `scan` is closest to `size_m`.
@@ -99,7 +116,8 @@ bool path_near(Truth truth, const ScanRef& a, const ScanRef& b) {
 
 }  // namespace
 
-Expected<PlannedFault> plan_fault(Truth truth, const FaultRequest& request, Rng rng) {
+Expected<PlannedFault> plan_fault(Truth truth, const FaultRequest& request,
+                                  std::span<const PlannedFault> earlier, Rng rng) {
   if (request.robot < 0 || static_cast<std::size_t>(request.robot) >= truth.size()) {
     return no_room(request, "there is no robot " + std::to_string(request.robot));
   }
@@ -129,7 +147,7 @@ Expected<PlannedFault> plan_fault(Truth truth, const FaultRequest& request, Rng 
       break;
     case FaultKind::kFrameOffset:
     case FaultKind::kFrameDrift:
-      meeting = first_meeting(truth, r, request.kind == FaultKind::kFrameOffset ? 0 : fault.scan.scan);
+      meeting = frame_meeting(truth, r, request.kind == FaultKind::kFrameOffset ? 0 : fault.scan.scan, earlier);
       if (!meeting) return no_room(request, "robot " + robot.name + " does not meet another");
       break;
   }

@@ -22,10 +22,11 @@ struct PlannedFault {
   double amount = 1.0;
 };
 
-/// Finds the place in the mission that fits a request and draws what it leaves open.
+/// Finds the place in the mission that fits a request and draws what it leaves open. A frame's error is looked at
+/// where no fault of `earlier` has yet touched the other robot, if there is such a place.
 /// \return kInvalidArgument when there is none.
 [[nodiscard]] Expected<PlannedFault> plan_fault(std::span<const RobotMotion> truth, const FaultRequest& request,
-                                                Rng rng);
+                                                std::span<const PlannedFault> earlier, Rng rng);
 
 /// Whether a closure would contradict the fault, so that a robust back end leaves it out.
 [[nodiscard]] bool contradicts(std::span<const RobotMotion> truth, const PlannedFault& fault, const Meeting& meeting);

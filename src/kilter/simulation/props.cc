@@ -100,7 +100,7 @@ void add_cabinet(TriangleMesh& mesh, const Vector3d& at, double yaw_rad, Rng& rn
 void add_plant(TriangleMesh& mesh, const Vector3d& at, Rng& rng) {
   mesh.add_prism(at, 0.16, 0.2, 0.4, 10, Material::kPaint);
   const double height_m = rng.uniform(0.4, 0.9);
-  mesh.add_leaves(at + Vector3d(0.0, 0.0, 0.4 + 0.5 * height_m), {0.3, 0.3, 0.5 * height_m}, 60, rng);
+  mesh.add_leaves(at + Vector3d(0.0, 0.0, 0.4 + 0.5 * height_m), {0.18, 0.18, 0.5 * height_m}, 60, rng);
 }
 
 void add_tree(TriangleMesh& mesh, const Vector3d& at, double height_m, double crown_m, Rng& rng) {

@@ -183,7 +183,7 @@ Expected<SlamResult> run_slam(Truth truth, std::span<const FaultRequest> request
   KILTER_EXPECTS(!truth.empty());
   std::vector<PlannedFault> faults;
   for (std::size_t i = 0; i < requests.size(); ++i) {
-    Expected<PlannedFault> fault = plan_fault(truth, requests[i], Rng(seed, kFaults + i));
+    Expected<PlannedFault> fault = plan_fault(truth, requests[i], faults, Rng(seed, kFaults + i));
     if (!fault) return pass_up(fault.error());
     faults.push_back(*fault);
   }

@@ -121,7 +121,7 @@ std::optional<Door> door_beside(const std::vector<Door>& doors, const Vector3d& 
 
 // Once round, and on to the middle of the second leg, which it knows by then; one room is visited on the way.
 std::vector<Vector3d> ring_route(const OfficePlan& plan, const Ring& ring, const std::vector<Door>& doors, Rng& rng) {
-  const double side = rng.uniform(-0.25, 0.25);
+  const double side = rng.uniform(-0.2, 0.2);
   const double x0 = plan.x_m[ring.i0] + side;
   const double x1 = plan.x_m[ring.i1] + side;
   const double y0 = plan.y_m.front() + side;

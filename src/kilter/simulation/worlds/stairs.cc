@@ -17,7 +17,8 @@ constexpr double kStoreyPitch_m = 3.2;
 constexpr double kHeight_m = 2.9;
 constexpr double kHalfCorridor_m = 1.2;
 constexpr double kRooms_m = 4.0;
-constexpr double kWell_m = 6.0;      // length of the stairwell
+constexpr double kWell_m = 7.0;      // length of the stairwell
+constexpr double kFoot_m = 1.8;      // from the corridor's end to the first step
 constexpr double kHalfWell_m = 2.6;  // and half its width
 constexpr double kFlight_y_m = 1.3;
 constexpr int kSteps = 10;  // per flight
@@ -66,33 +67,33 @@ void build_stairwell(TriangleMesh& mesh, double x0) {
   wall({x0, -kHalfWell_m}, {x1, -kHalfWell_m});
   wall({x1, -kHalfWell_m}, {x1, kHalfWell_m});
   wall({x1, kHalfWell_m}, {x0, kHalfWell_m});
-  const double foot = x0 + 0.8;
+  const double foot = x0 + kFoot_m;
   const double landing = foot + kSteps * kRun_m;
   add_flight(mesh, foot, -kFlight_y_m, 0.0, 1.0);
   add_flight(mesh, landing, kFlight_y_m, 0.5 * kStoreyPitch_m, -1.0);
   mesh.add_box({.center_m = {0.5 * (landing + x1), 0.0, 0.5 * kStoreyPitch_m - 0.1},
                 .size_m = {x1 - landing, 2.0 * kHalfWell_m, 0.2}},
                Material::kConcrete);
-  mesh.add_box({.center_m = {0.5 * (x0 + foot), 0.5 * kHalfWell_m, kStoreyPitch_m - 0.15},
-                .size_m = {foot - x0, kHalfWell_m, 0.3}},
+  mesh.add_box({.center_m = {0.5 * (x0 + foot), 0.5 * kHalfWell_m - 0.6, kStoreyPitch_m - 0.15},
+                .size_m = {foot - x0, kHalfWell_m + 1.2, 0.3}},
                Material::kConcrete);
 }
 
 // From the middle of the corridor downstairs over the stairs to the middle of the corridor upstairs.
 std::vector<Vector3d> way_up(double length_m) {
-  const double foot = length_m + 0.8;
+  const double foot = length_m + kFoot_m;
   const double landing = foot + kSteps * kRun_m;
   const double half = 0.5 * kStoreyPitch_m;
-  return {{length_m - 1.0, 0.0, 0.0},
-          {foot - 0.6, -kFlight_y_m, 0.0},
+  return {{foot - 0.9, 0.0, 0.0},
+          {foot - 0.9, -kFlight_y_m, 0.0},
           {foot, -kFlight_y_m, 0.0},
           {landing, -kFlight_y_m, half},
           {landing + 1.0, -kFlight_y_m, half},
           {landing + 1.0, kFlight_y_m, half},
           {landing, kFlight_y_m, half},
           {foot, kFlight_y_m, kStoreyPitch_m},
-          {foot - 0.5, kFlight_y_m, kStoreyPitch_m},
-          {length_m - 1.0, 0.0, kStoreyPitch_m}};
+          {foot - 0.9, kFlight_y_m, kStoreyPitch_m},
+          {foot - 0.9, 0.0, kStoreyPitch_m}};
 }
 
 }  // namespace

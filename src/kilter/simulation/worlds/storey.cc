@@ -100,21 +100,30 @@ void Storey::facade(const Vector2d& start_m, const Vector2d& end_m) {
   add_wall(mesh_, wall, Material::kConcrete);
 }
 
+bool Storey::near_door(const Vector2d& at_m) const {
+  constexpr double kClear_m = 2.5;
+  return std::any_of(open_doors_.begin(), open_doors_.end(),
+                     [&](const Door& door) { return (door.at_m - at_m).norm() < kClear_m; });
+}
+
 void Storey::furnish(const Area& room) {
   const Area inside = room.shrunk(0.9);
   const double area_m2 = (room.x1 - room.x0) * (room.y1 - room.y0);
-  const int desks = std::max(1, static_cast<int>(area_m2 / 12.0));
+  const int desks = std::max(1, static_cast<int>(area_m2 / 10.0));
   for (int i = 0; i < desks; ++i) {
-    const Vector2d at_m(rng_.uniform(inside.x0, inside.x1), rng_.uniform(inside.y0, inside.y1));
+    const double x = rng_.uniform(inside.x0, inside.x1);
+    const double y = rng_.uniform(inside.y0, inside.y1);
     const double yaw_rad = 0.5 * std::numbers::pi * static_cast<double>(rng_.below(4));
-    add_desk(mesh_, on_floor(at_m), yaw_rad, rng_);
-    const Vector2d seat = at_m + 0.75 * Vector2d(std::cos(yaw_rad), std::sin(yaw_rad));
-    add_chair(mesh_, on_floor(seat), yaw_rad + std::numbers::pi + rng_.uniform(-0.6, 0.6));
+    const double turned_rad = yaw_rad + std::numbers::pi + rng_.uniform(-0.6, 0.6);
+    if (near_door({x, y})) continue;
+    add_desk(mesh_, on_floor({x, y}), yaw_rad, rng_);
+    add_chair(mesh_, on_floor({x + 0.75 * std::cos(yaw_rad), y + 0.75 * std::sin(yaw_rad)}), turned_rad);
   }
-  // By the walls x = x0 and x = x1; a door that one stands in front of is not used.
-  add_cabinet(mesh_, on_floor({room.x0 + 0.35, rng_.uniform(inside.y0, inside.y1)}), 0.0, rng_);
-  add_cabinet(mesh_, on_floor({room.x1 - 0.35, rng_.uniform(inside.y0, inside.y1)}), std::numbers::pi, rng_);
-  if (rng_.uniform() < 0.5) add_plant(mesh_, on_floor({inside.x1, inside.y1}), rng_);
+  const double low_y = rng_.uniform(inside.y0, inside.y1);
+  const double high_y = rng_.uniform(inside.y0, inside.y1);
+  if (!near_door({room.x0, low_y})) add_cabinet(mesh_, on_floor({room.x0 + 0.35, low_y}), 0.0, rng_);
+  if (!near_door({room.x1, high_y})) add_cabinet(mesh_, on_floor({room.x1 - 0.35, high_y}), std::numbers::pi, rng_);
+  if (!near_door({inside.x1, inside.y1})) add_plant(mesh_, on_floor({inside.x1, inside.y1}), rng_);
 }
 
 void Storey::lamps(const Vector2d& start_m, const Vector2d& end_m) {

@@ -40,7 +40,7 @@ class Storey {
   /// A wall to the outside, with windows.
   void facade(const Eigen::Vector2d& start_m, const Eigen::Vector2d& end_m);
 
-  /// Desks, chairs, cabinets and plants inside a room; the room's corners stay free.
+  /// Desks, chairs, cabinets and plants inside a room, away from the open doors built so far.
   void furnish(const Area& room);
 
   /// Lamps under the ceiling along a corridor.
@@ -50,6 +50,7 @@ class Storey {
 
  private:
   void door_leaf(const Eigen::Vector2d& at_m, const Eigen::Vector2d& along, bool open);
+  [[nodiscard]] bool near_door(const Eigen::Vector2d& at_m) const;
   void corridor_things(const Eigen::Vector2d& at_m, const Eigen::Vector2d& into_corridor);
   [[nodiscard]] Eigen::Vector3d on_floor(const Eigen::Vector2d& at_m) const { return {at_m.x(), at_m.y(), floor_z_m_}; }
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The kilter authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "kilter/simulation/mission.h"
+#include "kilter/simulation/simulated_mission.h"
 
 #include <algorithm>
 
@@ -19,11 +19,11 @@ RobotMotion motion_of(const SimulatedRobot& robot, const Trajectory& trajectory,
 
 }  // namespace
 
-Expected<Mission> Mission::plan(Scene scene, const LidarModel& lidar, std::uint64_t seed) {
+Expected<SimulatedMission> SimulatedMission::plan(Scene scene, const LidarModel& lidar, std::uint64_t seed) {
   KILTER_EXPECTS(!scene.routes.empty());
   Expected<RayCaster> world = RayCaster::build(scene.world);
   if (!world) return pass_up(world.error());
-  Mission mission(std::move(*world), lidar, seed);
+  SimulatedMission mission(std::move(*world), lidar, seed);
   std::vector<RobotMotion> motions;
   for (std::size_t r = 0; r < scene.routes.size(); ++r) {
     const RobotRoute& route = scene.routes[r];
@@ -47,20 +47,20 @@ Expected<Mission> Mission::plan(Scene scene, const LidarModel& lidar, std::uint6
   return mission;
 }
 
-std::size_t Mission::scan_count() const {
+std::size_t SimulatedMission::scan_count() const {
   std::size_t count = 0;
   for (const SimulatedRobot& robot : robots_) count += robot.stamp_s.size();
   return count;
 }
 
-SimulatedScan Mission::scan(std::size_t r, std::size_t i) const {
+SimulatedScan SimulatedMission::scan(std::size_t r, std::size_t i) const {
   const double start_s = start_s_[r];
   const Trajectory& trajectory = trajectories_[r];
   const auto motion = [&](double time_s) { return trajectory.at(time_s - start_s); };
   return simulate_scan(world_, lidar_, motion, robots_[r].stamp_s[i], Rng(seed_, kScanStream * (r + 1) + i));
 }
 
-Expected<void> for_each_scan(const Mission& mission, std::size_t r, const RunContext& run,
+Expected<void> for_each_scan(const SimulatedMission& mission, std::size_t r, const RunContext& run,
                              const std::function<Expected<void>(std::size_t i, const SimulatedScan& scan)>& take) {
   const std::size_t count = mission.robots()[r].stamp_s.size();
   // Enough to keep the threads busy, few enough that memory stays a handful of scans.
