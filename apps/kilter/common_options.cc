@@ -22,21 +22,22 @@ Progress::Style CommonOptions::progress_style() const {
 }
 
 void add_common_options(CLI::App& command, CommonOptions& options) {
-  constexpr const char* kGroup = "Options of all commands";
   options.jobs = static_cast<int>(std::clamp(std::thread::hardware_concurrency(), 1U, 1024U));
-  command.add_option("--config", options.config_file, "read keys from a TOML file")->option_text("FILE.toml");
-  command.add_option("--set", options.settings, "set one key, as `kilter config show` lists them; may be repeated")
-      ->option_text("KEY=VALUE")
-      ->allow_extra_args(false);
-  command.add_option("--jobs", options.jobs, "threads to use")->option_text("N")->check(CLI::Range(1, 1024));
-  command.add_option("--memory", options.memory, "budget, e.g. 4G or 512M; no limit unless given")->option_text("SIZE");
-  auto* quiet = command.add_flag("--quiet", options.quiet, "errors only, and the result");
-  command.add_flag("--verbose", options.verbose, "say when each stage begins and ends")->excludes(quiet);
-  command.add_flag("--json", options.json, "the result as JSON on standard output, and nothing else there");
-  command.add_flag("--no-color", options.no_color, "no colours; NO_COLOR in the environment does the same");
-  for (CLI::Option* option : command.get_options()) {
-    if (option->get_name() != "--help") option->group(kGroup);
-  }
+  std::vector<CLI::Option*> all = {
+      command.add_option("--config", options.config_file, "read keys from a TOML file")->option_text("FILE.toml"),
+      command.add_option("--set", options.settings, "set one key of `kilter config show`; may be repeated")
+          ->option_text("KEY=VALUE")
+          ->allow_extra_args(false),
+      command.add_option("--jobs", options.jobs, "threads to use (as many as the machine has)")
+          ->option_text("N")
+          ->check(CLI::Range(1, 1024)),
+      command.add_option("--memory", options.memory, "budget, e.g. 4G or 512M (no limit)")->option_text("SIZE"),
+      command.add_flag("--quiet", options.quiet, "errors only, and the result"),
+      command.add_flag("--verbose", options.verbose, "say when each stage begins and ends"),
+      command.add_flag("--json", options.json, "the result as JSON on standard output, and nothing else there"),
+      command.add_flag("--no-color", options.no_color, "no colours; NO_COLOR in the environment does the same")};
+  for (CLI::Option* option : all) option->group("Options of all commands");
+  command.footer("");
 }
 
 Expected<Settings> read_settings(const CommonOptions& options, bool seed_preset) {

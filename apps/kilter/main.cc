@@ -2,7 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <exception>
 #include <new>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <CLI/App.hpp>
@@ -48,10 +50,30 @@ std::optional<Error> find_unknown_command(const CLI::App& program, int argc, cha
                nearest.empty() ? "kilter --help" : "kilter " + nearest};
 }
 
+// The innermost command that was called, as it is typed: "kilter config show".
+std::pair<const CLI::App*, std::string> called_command(const CLI::App& program) {
+  const CLI::App* command = &program;
+  std::string words = program.get_name();
+  while (!command->get_subcommands().empty()) {
+    command = command->get_subcommands().front();
+    words += ' ' + command->get_name();
+  }
+  return {command, words};
+}
+
 int refuse_command_line(const CLI::App& program, const CLI::ParseError& error) {
-  std::string help = "kilter";
-  for (const CLI::App* command : program.get_subcommands()) help += ' ' + command->get_name();
-  return print_error({ErrorCode::kUsage, printable(error.what(), 400), {}, help + " --help"});
+  const auto [command, words] = called_command(program);
+  const std::vector<std::string> unread = program.remaining(true);
+  if (dynamic_cast<const CLI::ExtrasError*>(&error) == nullptr || unread.empty()) {
+    return print_error({ErrorCode::kUsage, printable(error.what(), 400), {}, words + " --help"});
+  }
+  std::vector<std::string> names;
+  for (const CLI::Option* option : command->get_options()) names.push_back(option->get_name());
+  const std::string nearest = nearest_name(unread.front(), names);
+  return print_error({ErrorCode::kUsage,
+                      fmt::format("{} does not take \"{}\"", words, printable(unread.front(), 80)),
+                      {},
+                      nearest.starts_with('-') ? nearest : words + " --help"});
 }
 
 int run(int argc, char** argv) {

@@ -28,7 +28,8 @@ std::string progress_bar(std::string_view stage, std::size_t done, std::size_t t
 void Progress::update(std::string_view stage, std::size_t done, std::size_t total) {
   const std::lock_guard lock(mutex_);
   if (style_ == Style::kSilent) return;
-  const bool is_new = stage != stage_;
+  // Robots go through the same stage one after the other.
+  const bool is_new = stage != stage_ || total != total_ || (done_ == total_ && done < total);
   if (is_new) {
     stage_ = stage;
     done_ = 0;

@@ -10,7 +10,7 @@
 namespace kilter::app {
 namespace {
 
-std::string quoted(std::string_view text) { return fmt::format("\"{}\"", printable(text, 80)); }
+std::string in_quotes(std::string_view text) { return fmt::format("\"{}\"", printable(text, 80)); }
 
 std::string_view take_word(std::string_view& text) {
   constexpr std::string_view kSeparators = " \t,";
@@ -45,7 +45,7 @@ Expected<Pose3> parse_pose(std::string_view text) {
     const std::string_view digits = word.front() == '+' ? word.substr(1) : word;
     double number = 0.0;
     const auto [end, status] = std::from_chars(digits.data(), digits.data() + digits.size(), number);
-    if (status != std::errc() || end != digits.data() + digits.size()) return refuse_pose(quoted(word));
+    if (status != std::errc() || end != digits.data() + digits.size()) return refuse_pose(in_quotes(word));
     numbers.push_back(number);
   }
   return pose_from_numbers(numbers);
@@ -59,8 +59,8 @@ Expected<OptionField> find_option(Settings& settings, std::string_view key) {
   }
   const std::string nearest = nearest_name(key, names);
   return fail(
-      ErrorCode::kConfig, fmt::format("there is no key {}", quoted(key)), {},
-      nearest.empty() ? "kilter config show lists every key" : fmt::format("the nearest is {}", quoted(nearest)));
+      ErrorCode::kConfig, fmt::format("there is no key {}", in_quotes(key)), {},
+      nearest.empty() ? "kilter config show lists every key" : fmt::format("the nearest is {}", in_quotes(nearest)));
 }
 
 Expected<void> set_key(Settings& settings, std::string_view key, std::string_view value) {

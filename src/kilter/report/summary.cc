@@ -99,11 +99,31 @@ void add_counts(Lines& lines, const Result& result) {
   }
 }
 
+// What pairs with the same trouble have in common: their reason without what was measured ("offset 3 cm (...)"),
+// without what comes after a semicolon, and with dots for numbers.
+std::string cause_of(std::string_view reason) {
+  if (reason.starts_with("offset ")) {
+    const std::size_t end = reason.find(')');
+    if (end != std::string_view::npos) reason.remove_prefix(end + 1);
+    reason.remove_prefix(std::min(reason.find_first_not_of(" ,;:"), reason.size()));
+  }
+  reason = reason.substr(0, reason.find(';'));
+  std::string cause;
+  bool in_number = false;
+  for (const char c : reason) {
+    const bool digit = c >= '0' && c <= '9';
+    if (digit && !in_number) cause += "..";
+    in_number = digit || (in_number && c == '.');
+    if (!in_number) cause += c;
+  }
+  return cause;
+}
+
 // The three commonest reasons for saying neither, the commonest first.
 void add_reasons(Lines& lines, const Result& result) {
   std::map<std::string, int> counts;
   for (const PairResult& pair : result.pairs) {
-    if (pair.verdict.verdict == Verdict::kUnverified) ++counts[pair.verdict.reason];
+    if (pair.verdict.verdict == Verdict::kUnverified) ++counts[cause_of(pair.verdict.reason)];
   }
   std::vector<std::pair<std::string, int>> reasons(counts.begin(), counts.end());
   std::stable_sort(reasons.begin(), reasons.end(), [](const auto& a, const auto& b) { return a.second > b.second; });

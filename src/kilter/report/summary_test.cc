@@ -52,7 +52,7 @@ TEST(Summary, FitsATerminalHoweverLargeTheMission) {
     pair.verdict.offset_interval_m = {{1200.0, 1300.0}};
     pair.verdict.offset_vector_m = Eigen::Vector3d(-1234.0, 1234.0, -1234.0);
     PairResult& thin = testing::add_empty_pair(result, source + 20, source - 1);
-    thin.verdict.reason = "reason number " + std::to_string(source % 7) + std::string(200, 'y');
+    thin.verdict.reason = std::string(static_cast<std::size_t>(source % 7), 'x') + std::string(200, 'y');
     result.system.certificate_excludes.push_back(thin.id);
   }
   PairResult& local = testing::add_measured_pair(result, 2, 0);
@@ -98,6 +98,15 @@ TEST(Summary, CountsPairsByKind) {
   EXPECT_THAT(text, HasSubstr("  global           2            0             1           1\n"));
   EXPECT_THAT(text, HasSubstr("Unverified  1 x too little overlap\n"));
   EXPECT_THAT(text, HasSubstr("  1 more of 3 neighbouring pairs overlap too little"));
+}
+
+TEST(Summary, ReasonsThatDifferInNumbersAreCountedTogether) {
+  Result result = testing::result_of({{"a", 4}});
+  testing::add_empty_pair(result, 1, 0).verdict.reason = "offset 3.1 cm (2.0 to 4.2 cm): too uncertain";
+  testing::add_empty_pair(result, 2, 0).verdict.reason = "offset 13.1 cm (9.0 to 24.2 cm): too uncertain";
+  testing::add_empty_pair(result, 3, 0).verdict.reason = "too little overlap: 7 % match; moved by 1.5 m, more would";
+  const std::string text = summary(result);
+  EXPECT_THAT(text, HasSubstr("Unverified  2 x too uncertain\n            1 x too little overlap: .. % match\n"));
 }
 
 TEST(Summary, SaysWhatTheCertificateLeavesOut) {
