@@ -28,6 +28,15 @@ TEST(ReadFile, GivesEveryByte) {
   EXPECT_EQ(read->view(), bytes);
 }
 
+TEST(ReadFile, GivesEveryByteOfALargeFile) {
+  const TempFolder folder;
+  std::string bytes(std::size_t{9} << 20, '\0');
+  for (std::size_t i = 0; i < bytes.size(); ++i) bytes[i] = static_cast<char>(i * 2654435761U >> 24);
+  const auto read = read_file(folder.write("f", bytes));
+  ASSERT_TRUE(read);
+  EXPECT_TRUE(read->view() == bytes);
+}
+
 TEST(ReadFile, ReadsAnEmptyFileAsNothing) {
   const TempFolder folder;
   const auto read = read_file(folder.write("f", ""));

@@ -105,13 +105,18 @@ PairProposal propose_pairs(std::span<const Submap> submaps, const PairingOptions
     CandidatePair& pair = pairs[i];
     const Submap& source = submaps[static_cast<std::size_t>(pair.id.source.value)];
     const Submap& target = submaps[static_cast<std::size_t>(pair.id.target.value)];
-    const CoarseOverlap best = best_coarse_overlap(cells[static_cast<std::size_t>(source.id.value)], target.map,
-                                                   target.T_world_submap.inverse() * source.T_world_submap,
-                                                   pair.drift_allowance_m);
-    pair.predicted_overlap = best.overlap;
-    pair.predicted_shift_m = best.shift_m;
-    const bool enough = best.overlap >= options.overlap_min && best.matched >= options.matched_min;
-    keep[i] = pair.kind == PairKind::kSequential || enough ? 1 : 0;
+    const Pose3 T_target_source = target.T_world_submap.inverse() * source.T_world_submap;
+    const CoarseOverlap forward = best_coarse_overlap(cells[static_cast<std::size_t>(source.id.value)], target.map,
+                                                      T_target_source, pair.drift_allowance_m);
+    // The other way round too: which of the two comes first must not decide whether a pair is looked at.
+    const CoarseOverlap backward = best_coarse_overlap(cells[static_cast<std::size_t>(target.id.value)], source.map,
+                                                       T_target_source.inverse(), pair.drift_allowance_m);
+    pair.predicted_overlap = std::max(forward.overlap, backward.overlap);
+    pair.predicted_shift_m = forward.shift_m;
+    const auto enough = [&](const CoarseOverlap& o) {
+      return o.overlap >= options.overlap_min && o.matched >= options.matched_min;
+    };
+    keep[i] = pair.kind == PairKind::kSequential || enough(forward) || enough(backward) ? 1 : 0;
   });
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     if (keep[i] != 0) {

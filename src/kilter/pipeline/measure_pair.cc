@@ -16,24 +16,49 @@ constexpr double kPriorRotation_rad = 0.03;
 // A prior on translation never below this, however short the path between two submaps was. [m]
 constexpr double kLeastPrior_m = 0.05;
 
-PoseEvidence measure_at(const NearestVoxelSearch& source, const NearestVoxelSearch& target,
-                        const NearestVoxelSearch& source_centroids, const NearestVoxelSearch& target_centroids,
-                        const Pose3& T_target_source, const CheckOptions& options, DistanceSample& sample) {
+// Both submaps' searches: by the points of the paper's distances, and by centroids.
+struct PairSearches {
+  const NearestVoxelSearch& source;
+  const NearestVoxelSearch& target;
+  const NearestVoxelSearch& source_centroids;
+  const NearestVoxelSearch& target_centroids;
+};
+
+// The paper's numbers are directed (source into target); whether there is enough to say anything must not depend on
+// which of the two robots comes first, so the gate looks both ways.
+struct TwoWaySample {
+  DistanceSample forward;
+  DistanceSample backward;
+
+  [[nodiscard]] std::size_t matched() const { return std::min(forward.matched(), backward.matched()); }
+  [[nodiscard]] double overlap() const { return std::max(forward.overlap(), backward.overlap()); }
+  [[nodiscard]] bool passes_gate(const MatchingOptions& options) const {
+    return matched() >= static_cast<std::size_t>(options.matched_min) && overlap() >= options.overlap_min;
+  }
+};
+
+TwoWaySample sample_both_ways(const PairSearches& pair, const Pose3& T_target_source, const CheckOptions& options) {
+  return {measure_distances(pair.source.map(), pair.target, T_target_source, options.matching),
+          measure_distances(pair.target.map(), pair.source, T_target_source.inverse(), options.matching)};
+}
+
+PoseEvidence measure_at(const PairSearches& pair, const Pose3& T_target_source, const TwoWaySample& sample,
+                        const CheckOptions& options) {
+  const double resolution_m = pair.target.map().resolution_m();
   PoseEvidence evidence;
-  sample = measure_distances(source.map(), target, T_target_source, options.matching);
   evidence.matched = sample.matched();
   evidence.overlap = sample.overlap();
-  evidence.mean_distance_m = sample.mean_euclidean_m;
+  evidence.mean_distance_m = 0.5 * (sample.forward.mean_euclidean_m + sample.backward.mean_euclidean_m);
   if (sample.passes_gate(options.matching)) {
-    const Expected<DistributionFit> fit = fit_distribution(sample.distances_m, options.distribution);
-    if (fit) evidence.score = score_pair(*fit, target.map().resolution_m(), options.gamma);
+    const Expected<DistributionFit> fit = fit_distribution(sample.forward.distances_m, options.distribution);
+    if (fit) evidence.score = score_pair(*fit, resolution_m, options.gamma);
   }
-  evidence.conflict = measure_conflict(source_centroids, target_centroids, T_target_source,
-                                       kConflictMarginVoxels * target.map().resolution_m());
+  evidence.conflict = measure_conflict(pair.source_centroids, pair.target_centroids, T_target_source,
+                                       kConflictMarginVoxels * resolution_m);
   return evidence;
 }
 
-std::string gate_reason(const DistanceSample& sample, const CandidatePair& pair, const MatchingOptions& options) {
+std::string gate_reason(const TwoWaySample& sample, const CandidatePair& pair, const MatchingOptions& options) {
   std::string reason = sample.matched() < static_cast<std::size_t>(options.matched_min)
                            ? fmt::format("too little overlap: {} voxels match, {} are needed", sample.matched(),
                                          options.matched_min)
@@ -85,14 +110,15 @@ PairMeasurement measure_pair(std::span<const Submap> submaps, const SubmapSearch
   evidence.id = pair.id;
   evidence.kind = pair.kind;
   evidence.T_target_source = submaps[t].T_world_submap.inverse() * submaps[s].T_world_submap;
-  const auto measure = [&](const Pose3& T, DistanceSample& sample) {
-    return measure_at(searches.by_position[s], searches.by_position[t], searches.by_centroid[s],
-                      searches.by_centroid[t], T, options, sample);
-  };
-  DistanceSample sample;
-  evidence.map = measure(evidence.T_target_source, sample);
-  if (sample.matched() > 0) {
-    if (auto histogram = histogram_distances(sample.distances_m, options.distribution)) measurement.histogram = *histogram;
+  const PairSearches both{searches.by_position[s], searches.by_position[t], searches.by_centroid[s],
+                          searches.by_centroid[t]};
+  const TwoWaySample sample = sample_both_ways(both, evidence.T_target_source, options);
+  evidence.map = measure_at(both, evidence.T_target_source, sample, options);
+  measurement.matched = sample.forward.matched();
+  measurement.overlap = sample.forward.overlap();
+  if (measurement.matched > 0) {
+    auto histogram = histogram_distances(sample.forward.distances_m, options.distribution);
+    if (histogram) measurement.histogram = std::move(*histogram);
   }
   evidence.overlaps = sample.passes_gate(options.matching);
   if (!evidence.overlaps) {
@@ -104,8 +130,8 @@ PairMeasurement measure_pair(std::span<const Submap> submaps, const SubmapSearch
   const RegistrationPrior prior{std::max(pair.drift_allowance_m, kLeastPrior_m), kPriorRotation_rad};
   evidence.registration = align_submaps(by[s], by[t], evidence.T_target_source, options.registration, prior);
   if (!evidence.registration->converged()) return measurement;
-  DistanceSample registered_sample;
-  evidence.registered = measure(evidence.registration->T_target_source, registered_sample);
+  const Pose3& T_registered = evidence.registration->T_target_source;
+  evidence.registered = measure_at(both, T_registered, sample_both_ways(both, T_registered, options), options);
   if (oicp && evidence.registered->score) measurement.theta_oicp_per_m3 = evidence.registered->score->gamma_per_m3;
   return measurement;
 }
@@ -115,8 +141,8 @@ PairResult pair_result(const PairMeasurement& measurement, const PairVerdict& ve
   PairResult result;
   result.id = evidence.id;
   result.kind = evidence.kind;
-  result.overlap = evidence.map.overlap;
-  result.matched = evidence.map.matched;
+  result.overlap = measurement.overlap;
+  result.matched = measurement.matched;
   result.max_distance_m = options.matching.max_distance_m;
   result.histogram = measurement.histogram;
   result.score = evidence.map.score;

@@ -30,6 +30,8 @@ struct SubmapSearches {
 /// One pair, measured at the map's pose and, if it overlaps there, registered and measured again.
 struct PairMeasurement {
   PairEvidence evidence;
+  std::size_t matched = 0;  ///< source voxels matched at the map's pose
+  double overlap = 0.0;     ///< of the source voxels inside the target's box, the fraction matched there
   std::optional<DistanceHistogram> histogram;  ///< at the map's pose
   std::optional<double> theta_oicp_per_m3;
 };

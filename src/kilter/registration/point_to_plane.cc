@@ -18,8 +18,10 @@ constexpr int kLevelIterations = 10;        // and so do this many steps
 constexpr double kKernelOfSearch = 0.5;     // kernel scale at least this share of the search distance, until the last
 constexpr double kFinalKernelVoxels = 0.5;  // level, where it is at least this many voxels
 constexpr double kLeastAgreement = 0.6;    // cosine between normals of matched voxels
-constexpr double kSmallStep_m = 2e-4;
-constexpr double kSmallTurn_rad = 2e-5;
+constexpr double kSmallStep_m = 1e-3;
+constexpr double kSmallTurn_rad = 1e-4;
+constexpr std::size_t kFewestResiduals = 40;
+constexpr std::size_t kAllPoints = 1U << 31;
 
 struct Kernel {
   double scale_m;
@@ -38,23 +40,38 @@ bool normals_agree(const Eigen::Vector3d& a, const Eigen::Vector3d& b, bool orie
   return (oriented ? cosine : std::abs(cosine)) >= kLeastAgreement;
 }
 
-std::vector<PlaneResidual> match_planes(const NearestVoxelSearch& source, const NearestVoxelSearch& target,
-                                        const Pose3& T_target_source, double search_m, std::size_t stride) {
-  const SurfaceVoxels& from = source.map().voxels();
-  const SurfaceVoxels& onto = target.map().voxels();
-  const bool oriented = source.map().has_free_space() && target.map().has_free_space();
-  const Eigen::Isometry3d T = T_target_source.isometry();
-  std::vector<PlaneResidual> residuals;
-  residuals.reserve(from.size() / stride + 1);
-  for (std::size_t i = 0; i < from.size(); i += stride) {
-    const Eigen::Vector3d point_m = T * from.centroids_m[i].cast<double>();
-    const std::optional<NearestVoxel> nearest = target.nearest(point_m, search_m);
+// Points of `from` against the planes of `onto`, in the frame of `onto`.
+void match_one_way(const NearestVoxelSearch& from, const NearestVoxelSearch& onto, const Pose3& T_onto_from,
+                   double search_m, std::size_t max_points, std::vector<PlaneResidual>& residuals) {
+  const SurfaceVoxels& points = from.map().voxels();
+  const SurfaceVoxels& planes = onto.map().voxels();
+  const bool oriented = from.map().has_free_space() && onto.map().has_free_space();
+  const std::size_t stride = std::max<std::size_t>(1, points.size() / max_points);
+  const Eigen::Isometry3d T = T_onto_from.isometry();
+  for (std::size_t i = 0; i < points.size(); i += stride) {
+    const Eigen::Vector3d point_m = T * points.centroids_m[i].cast<double>();
+    const std::optional<NearestVoxel> nearest = onto.nearest(point_m, search_m);
     if (!nearest) continue;
-    const Eigen::Vector3d normal = onto.normals[nearest->voxel].cast<double>();
+    const Eigen::Vector3d normal = planes.normals[nearest->voxel].cast<double>();
     if (normal.isZero()) continue;
-    if (!normals_agree(T.linear() * from.normals[i].cast<double>(), normal, oriented)) continue;
-    const double residual_m = normal.dot(point_m - onto.centroids_m[nearest->voxel].cast<double>());
-    residuals.push_back({point_m, normal, residual_m, static_cast<double>(onto.planarity[nearest->voxel])});
+    if (!normals_agree(T.linear() * points.normals[i].cast<double>(), normal, oriented)) continue;
+    const double residual_m = normal.dot(point_m - planes.centroids_m[nearest->voxel].cast<double>());
+    residuals.push_back({point_m, normal, residual_m, static_cast<double>(planes.planarity[nearest->voxel])});
+  }
+}
+
+// Both ways, so that it does not matter which of the two is called the source. A target point q lies off a source
+// plane by (R n) . (q - T c); moving the source moves that plane, hence the turned direction.
+std::vector<PlaneResidual> match_planes(const NearestVoxelSearch& source, const NearestVoxelSearch& target,
+                                        const Pose3& T_target_source, double search_m, std::size_t max_points) {
+  std::vector<PlaneResidual> residuals;
+  match_one_way(source, target, T_target_source, search_m, max_points, residuals);
+  const std::size_t forward = residuals.size();
+  match_one_way(target, source, T_target_source.inverse(), search_m, max_points, residuals);
+  const Eigen::Isometry3d T = T_target_source.isometry();
+  for (std::size_t i = forward; i < residuals.size(); ++i) {
+    residuals[i].point_m = T * residuals[i].point_m;
+    residuals[i].direction = -(T.linear() * residuals[i].direction);
   }
   return residuals;
 }
@@ -90,11 +107,12 @@ RegistrationResult align_point_to_plane(const NearestVoxelSearch& source, const 
                                         const RegistrationPrior& prior) {
   RegistrationResult result;
   result.T_target_source = start;
-  const std::size_t voxels = source.map().voxels().size();
-  const std::size_t stride = std::max<std::size_t>(1, voxels / static_cast<std::size_t>(options.max_points));
+  const auto max_points = static_cast<std::size_t>(options.max_points);
+  // How many voxels one residual stands for: the gate counts voxels, of either submap.
+  const double per_residual = std::max(1.0, static_cast<double>(source.map().voxels().size()) / options.max_points);
   const double resolution_m = target.map().resolution_m();
   const auto enough = [&](std::size_t count) {
-    return count * stride >= static_cast<std::size_t>(options.min_matches) && count >= 20;
+    return 0.5 * static_cast<double>(count) * per_residual >= options.min_matches && count >= kFewestResiduals;
   };
   const double final_search_m = std::min(kFinalSearchVoxels * resolution_m, options.search_distance_m);
   const double final_kernel_m = kFinalKernelVoxels * resolution_m;
@@ -106,7 +124,7 @@ RegistrationResult align_point_to_plane(const NearestVoxelSearch& source, const 
     ++result.iterations;
     ++level_iterations;
     const bool last_level = search_m <= final_search_m;
-    std::vector<PlaneResidual> residuals = match_planes(source, target, T, search_m, stride);
+    std::vector<PlaneResidual> residuals = match_planes(source, target, T, search_m, max_points);
     if (!enough(residuals.size())) return result;
     apply_kernel(residuals, last_level ? final_kernel_m : kKernelOfSearch * search_m);
     const NormalEquations equations = build_normal_equations(residuals);
@@ -128,9 +146,9 @@ RegistrationResult align_point_to_plane(const NearestVoxelSearch& source, const 
     }
   }
 
-  std::vector<PlaneResidual> residuals = match_planes(source, target, T, final_search_m, 1);
-  result.matches = residuals.size();
-  if (residuals.size() < static_cast<std::size_t>(options.min_matches)) return result;
+  std::vector<PlaneResidual> residuals = match_planes(source, target, T, final_search_m, kAllPoints);
+  result.matches = residuals.size() / 2;
+  if (result.matches < static_cast<std::size_t>(options.min_matches)) return result;
   apply_kernel(residuals, final_kernel_m);
   const NormalEquations equations = build_normal_equations(residuals);
   const ObservableSplit split = split_observable(equations);

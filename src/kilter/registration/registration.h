@@ -53,7 +53,7 @@ struct RegistrationResult {
   StopReason stop = StopReason::kTooFewMatches;
   Pose3 T_target_source;          ///< the start, if not converged
   int iterations = 0;
-  std::size_t matches = 0;        ///< correspondences at the end, of all source voxels
+  std::size_t matches = 0;        ///< correspondences at the end, of all voxels (mean of both ways)
   double residual_rms_m = 0.0;    ///< robust-weighted, at the end. [m]
   /// Row-major meaning: T_target_source * Exp(xi), xi = (x y z rx ry rz) in the source's frame. Directions that the
   /// scene does not fix hold the prior's variance.

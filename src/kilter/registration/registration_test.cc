@@ -102,6 +102,17 @@ TEST(AlignSubmaps, FailuresSayWhy) {
   EXPECT_EQ(run(pair, pose_at(60.0, 0.0, 0.0, 0.0), RegistrationMethod::kOicp).stop, StopReason::kTooFewMatches);
 }
 
+TEST(AlignSubmaps, SwappingTheRolesInvertsTheResult) {
+  const TestPair pair = room_pair();
+  const TestPair swapped{pair.source, pair.target, pair.T_target_source.inverse()};
+  const Pose3 start = pose_at(0.15, -0.1, 0.05, 0.02) * pair.T_target_source;
+  const RegistrationResult forward = run(pair, start, RegistrationMethod::kPointToPlane);
+  const RegistrationResult backward = run(swapped, start.inverse(), RegistrationMethod::kPointToPlane);
+  const Pose3 round_trip = forward.T_target_source * backward.T_target_source;
+  EXPECT_LT(round_trip.translation_m().norm(), 0.003);
+  EXPECT_LT(round_trip.angle_rad(), 0.0005);
+}
+
 TEST(AlignSubmaps, GivesTheSameBitsEachTime) {
   const TestPair pair = room_pair();
   const Pose3 start = pose_at(0.1, 0.0, 0.0, 0.0) * pair.T_target_source;

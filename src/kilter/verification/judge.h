@@ -28,9 +28,9 @@ struct JudgeOptions {
 /// The pair at one relative pose.
 struct PoseEvidence {
   std::optional<PairScore> score;   ///< Gamma's or Theta's; absent below the gate
-  std::size_t matched = 0;
-  double overlap = 0.0;
-  double mean_distance_m = 0.0;     ///< mean of d_e over the matched voxels
+  std::size_t matched = 0;          ///< the smaller of both ways
+  double overlap = 0.0;             ///< the larger of both ways
+  double mean_distance_m = 0.0;     ///< mean of d_e over the matched voxels, both ways
   ConflictSample conflict;
 };
 

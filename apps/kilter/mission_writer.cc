@@ -1,0 +1,147 @@
+// SPDX-FileCopyrightText: The kilter authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "apps/kilter/mission_writer.h"
+
+#include <fmt/format.h>
+
+#include <bit>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+
+namespace kilter {
+namespace {
+
+namespace fs = std::filesystem;
+
+static_assert(std::endian::native == std::endian::little, "both scan formats hold little-endian numbers");
+
+tl::unexpected<Error> io_failure(const std::string& what, int code, const fs::path& path) {
+  return fail(code == ENOSPC ? ErrorCode::kNoSpace : ErrorCode::kIo, what + ": " + std::strerror(code),
+              printable(path.string()));
+}
+
+Expected<void> write_bytes(const fs::path& path, std::string_view bytes) {
+  errno = 0;
+  std::ofstream file(path, std::ios::binary | std::ios::trunc);
+  file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  file.close();
+  if (!file) return io_failure("cannot write", errno, path);
+  return {};
+}
+
+Expected<void> make_folder(const fs::path& path) {
+  std::error_code status;
+  fs::create_directories(path, status);
+  if (status) return io_failure("cannot make the folder", status.value(), path);
+  return {};
+}
+
+// One pose a line: t x y z qx qy qz qw; every number reads back to the same double.
+std::string tum_text(const std::vector<double>& stamp_s, const std::vector<Pose3>& poses) {
+  std::string text;
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    const Eigen::Vector3d& t = poses[i].translation_m();
+    const Eigen::Quaterniond& q = poses[i].rotation();
+    fmt::format_to(std::back_inserter(text), "{} {} {} {} {} {} {} {}\n", stamp_s[i], t.x(), t.y(), t.z(), q.x(), q.y(),
+                   q.z(), q.w());
+  }
+  return text;
+}
+
+void append_float(std::string& bytes, float value) {
+  char raw[sizeof(float)];
+  std::memcpy(raw, &value, sizeof raw);
+  bytes.append(raw, sizeof raw);
+}
+
+std::string scan_bytes(const SimulatedScan& scan, ScanFormat format) {
+  const std::size_t count = scan.cloud.points_m.size();
+  std::string bytes;
+  if (format == ScanFormat::kPcd) {
+    bytes = fmt::format(
+        "# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\nFIELDS x y z intensity\nSIZE 4 4 4 4\n"
+        "TYPE F F F F\nCOUNT 1 1 1 1\nWIDTH {0}\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS {0}\nDATA binary\n",
+        count);
+  }
+  bytes.reserve(bytes.size() + 16 * count);
+  for (std::size_t i = 0; i < count; ++i) {
+    for (int axis = 0; axis < 3; ++axis) append_float(bytes, scan.cloud.points_m[i][axis]);
+    append_float(bytes, scan.intensity[i]);
+  }
+  return bytes;
+}
+
+Expected<void> prepare(const MissionWriterOptions& options) {
+  for (const char* part : {"mission", "truth"}) {
+    const fs::path path = options.folder / part;
+    std::error_code status;
+    if (!fs::exists(path, status)) continue;
+    if (!options.replace) {
+      return fail(ErrorCode::kUsage, "there is a mission already", printable(path.string()),
+                  "choose another folder, or --replace");
+    }
+    fs::remove_all(path, status);
+    if (status) return io_failure("cannot remove the earlier mission", status.value(), path);
+  }
+  return {};
+}
+
+Expected<void> write_robot(const SimulatedMission& mission, std::size_t r, const MissionWriterOptions& options,
+                           const RunContext& run) {
+  const SimulatedRobot& robot = mission.robots()[r];
+  const fs::path folder = options.folder / "mission" / robot.name;
+  const fs::path truth = options.folder / "truth" / robot.name;
+  for (const fs::path& path : {folder / "scans", truth}) {
+    if (Expected<void> made = make_folder(path); !made) return made;
+  }
+  const char* suffix = options.format == ScanFormat::kPcd ? "pcd" : "bin";
+  const auto take = [&](std::size_t i, const SimulatedScan& scan) {
+    return write_bytes(folder / "scans" / fmt::format("{:06}.{}", i, suffix), scan_bytes(scan, options.format));
+  };
+  if (Expected<void> written = for_each_scan(mission, r, run, take); !written) return written;
+  if (Expected<void> written =
+          write_bytes(folder / "poses.tum", tum_text(robot.stamp_s, robot.T_world_sensor));
+      !written) {
+    return written;
+  }
+  return write_bytes(truth / "poses.tum", tum_text(robot.stamp_s, robot.T_world_sensor_true));
+}
+
+}  // namespace
+
+std::string faults_json(const SimulatedMission& mission, const std::string& scene, std::uint64_t seed) {
+  const auto name = [&](int robot) { return mission.robots()[static_cast<std::size_t>(robot)].name; };
+  nlohmann::ordered_json faults = nlohmann::ordered_json::array();
+  for (const Fault& fault : mission.faults()) {
+    faults.push_back({{"kind", to_string(fault.kind)},
+                      {"robot", name(fault.robot)},
+                      {"scan", fault.scan},
+                      {"first_scan", fault.first_scan},
+                      {"against_robot", name(fault.against_robot)},
+                      {"against_scan", fault.against_scan},
+                      {"size_m", fault.size_m},
+                      {"size_rad", fault.size_rad}});
+  }
+  nlohmann::ordered_json document = {
+      {"schema", "kilter.faults/1"}, {"scene", scene}, {"seed", seed}, {"faults", faults}};
+  return document.dump(2) + "\n";
+}
+
+Expected<void> write_mission(const SimulatedMission& mission, const MissionWriterOptions& options,
+                             const RunContext& run) {
+  if (Expected<void> ready = prepare(options); !ready) return ready;
+  const std::size_t total = mission.scan_count();
+  std::size_t before = 0;
+  for (std::size_t r = 0; r < mission.robots().size(); ++r) {
+    RunContext part = run;
+    if (run.progress) part.progress = [&, before](std::size_t done, std::size_t) { run.progress(before + done, total); };
+    if (Expected<void> written = write_robot(mission, r, options, part); !written) return written;
+    before += mission.robots()[r].stamp_s.size();
+  }
+  return write_bytes(options.folder / "truth" / "faults.json", faults_json(mission, options.scene, options.seed));
+}
+
+}  // namespace kilter

@@ -1,0 +1,91 @@
+// SPDX-FileCopyrightText: The kilter authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "apps/kilter/simulate.h"
+
+#include <charconv>
+#include <optional>
+#include <sstream>
+
+namespace kilter {
+namespace {
+
+std::optional<double> number(const std::string& text) {
+  double value = 0.0;
+  const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (status != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  return value;
+}
+
+// Bad arguments of the library are bad usage of the command.
+Error as_usage(Error error) {
+  if (error.code == ErrorCode::kInvalidArgument) error.code = ErrorCode::kUsage;
+  return error;
+}
+
+Expected<std::vector<FaultRequest>> parse_faults(const std::vector<std::string>& texts) {
+  std::vector<FaultRequest> faults;
+  for (const std::string& text : texts) {
+    if (text == "none") continue;
+    Expected<FaultRequest> fault = parse_fault(text);
+    if (!fault) return pass_up(fault.error());
+    faults.push_back(*fault);
+  }
+  return faults;
+}
+
+}  // namespace
+
+Expected<FaultRequest> parse_fault(const std::string& text) {
+  std::vector<std::string> parts;
+  std::istringstream stream(text);
+  for (std::string part; std::getline(stream, part, ':');) parts.push_back(part);
+  const auto refuse = [&](const std::string& why) {
+    return fail(ErrorCode::kUsage, "fault \"" + printable(text) + "\": " + why, {},
+                "KIND[:ROBOT[:SIZE_M[:AT]]] with KIND slip, missed-closure, frame-offset, frame-drift, wrong-closure or "
+                "mistaken-place, e.g. slip:a:0.4:0.6");
+  };
+  const std::optional<FaultKind> kind = parts.empty() ? std::nullopt : fault_kind_from(parts[0]);
+  if (!kind) return refuse("there is no such kind");
+  FaultRequest fault{.kind = *kind};
+  fault.robot = *kind == FaultKind::kFrameOffset || *kind == FaultKind::kFrameDrift ? 1 : 0;
+  if (parts.size() > 1) {
+    if (parts[1].size() != 1 || parts[1][0] < 'a' || parts[1][0] > 'e') return refuse("robots are a to e");
+    fault.robot = parts[1][0] - 'a';
+  }
+  if (parts.size() > 2) {
+    const std::optional<double> size_m = number(parts[2]);
+    if (!size_m || !(*size_m > 0.0 && *size_m <= 100.0)) return refuse("the size must be metres above 0, up to 100");
+    fault.size_m = *size_m;
+  }
+  if (parts.size() > 3) {
+    const std::optional<double> at = number(parts[3]);
+    if (!at || !(*at >= 0.0 && *at <= 1.0)) return refuse("the place must be a share of the robot's path, 0 to 1");
+    fault.at = *at;
+  }
+  if (parts.size() > 4) return refuse("there are too many parts");
+  return fault;
+}
+
+Expected<SimulateSummary> simulate(const SimulateRequest& request, const RunContext& run) {
+  Expected<LidarModel> lidar = lidar_model(request.beams);
+  if (!lidar) return pass_up(as_usage(lidar.error()));
+  lidar->columns = request.columns;
+  lidar->range_noise_m = request.range_noise_m;
+  lidar->motion_residual = request.motion_residual;
+  Expected<Scene> scene = make_scene(request.scene, request.options);
+  if (!scene) return pass_up(as_usage(scene.error()));
+  if (request.scan_step_m > 0.0) scene->scan_step_m = request.scan_step_m;
+  if (!request.faults.empty()) {
+    Expected<std::vector<FaultRequest>> faults = parse_faults(request.faults);
+    if (!faults) return pass_up(faults.error());
+    scene->faults = std::move(*faults);
+  }
+  const Expected<SimulatedMission> mission = SimulatedMission::plan(std::move(*scene), *lidar, request.options.seed);
+  if (!mission) return pass_up(as_usage(mission.error()));
+  if (Expected<void> written = write_mission(*mission, request.writer, run); !written) return pass_up(written.error());
+  SimulateSummary summary{{}, mission->scan_count(), mission->faults()};
+  for (const SimulatedRobot& robot : mission->robots()) summary.robots.push_back(robot.name);
+  return summary;
+}
+
+}  // namespace kilter

@@ -1,0 +1,74 @@
+// SPDX-FileCopyrightText: The kilter authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "kilter/simulation/scene.h"
+
+#include <array>
+
+#include "kilter/base/option_table.h"
+#include "kilter/simulation/worlds/worlds.h"
+
+namespace kilter {
+namespace {
+
+constexpr std::array<SceneInfo, 11> kScenes = {{
+    {"office", "rooms and corridors in rings; a slip, a frame that is off and a missed closure"},
+    {"carpark", "open ground, parked and moving cars, trees, facades, poles"},
+    {"warehouse", "shelves that look alike; one aisle is taken for another"},
+    {"tunnel", "nothing fixes the direction along it"},
+    {"tunnel-niches", "the same with a few niches"},
+    {"stairs", "two storeys above each other: overlap in plan, none in space"},
+    {"forest", "trunks, leaves and uneven ground"},
+    {"clean-office", "the office as a good SLAM leaves it: residuals of a few centimetres, no fault"},
+    {"clean-carpark", "the car park likewise"},
+    {"paper-indoor", "the seed paper's building: robot a closes its loop, robot b does not"},
+    {"paper-outdoor", "the seed paper's car park: slips within robots, both misaligned where they meet again"},
+}};
+
+// The same world and routes, no fault, and a map as good as SLAM makes it.
+Scene clean(Scene scene) {
+  scene.faults.clear();
+  scene.slam.closure_sigma_m = 0.02;
+  return scene;
+}
+
+std::string nearest_scene(std::string_view name) {
+  std::vector<std::string> names;
+  for (const SceneInfo& info : kScenes) names.emplace_back(info.name);
+  const std::string near = nearest_name(name, names);
+  return near.empty() ? "kilter simulate --help lists all scenes" : "did you mean " + near + "?";
+}
+
+}  // namespace
+
+std::span<const SceneInfo> scene_catalog() { return kScenes; }
+
+Expected<Scene> make_scene(std::string_view name, const SceneOptions& options) {
+  if (!(options.scale >= 0.5 && options.scale <= 10.0)) {
+    return fail(ErrorCode::kInvalidArgument, "scale must be from 0.5 to 10");
+  }
+  if (options.robots < 1 || options.robots > 5) {
+    return fail(ErrorCode::kInvalidArgument, "robots must be from 1 to 5");
+  }
+  if (name == "office") return make_office(options);
+  if (name == "carpark") return make_carpark(options);
+  if (name == "warehouse") return make_warehouse(options);
+  if (name == "tunnel") return make_tunnel(options, false);
+  if (name == "tunnel-niches") return make_tunnel(options, true);
+  if (name == "stairs") return make_stairs(options);
+  if (name == "forest") return make_forest(options);
+  if (name == "clean-office") return clean(make_office(options));
+  if (name == "clean-carpark") return clean(make_carpark(options));
+  if (name == "paper-indoor") return make_paper_indoor(options);
+  if (name == "paper-outdoor") return make_paper_outdoor(options);
+  return fail(ErrorCode::kInvalidArgument, "there is no scene \"" + printable(name) + "\"", {}, nearest_scene(name));
+}
+
+void finish_routes(Scene& scene, const SceneOptions& options, const RouteOptions& drive) {
+  for (std::size_t r = 0; r < scene.routes.size(); ++r) {
+    scene.routes[r].drive = drive;
+    scene.routes[r].drive.seed = options.seed * 31 + r;
+    scene.routes[r].start_s = 40.0 * static_cast<double>(r);  // sessions one after another would share no traffic
+  }
+}
+
+}  // namespace kilter

@@ -1,0 +1,4 @@
+// SPDX-FileCopyrightText: The kilter authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "kilter/simulation/worlds/worlds.h"
+namespace kilter { Scene make_paper_indoor(const SceneOptions& options) { return make_office(options); } }

@@ -1,0 +1,137 @@
+#!/usr/bin/env python3
+# SPDX-FileCopyrightText: The kilter authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""Draws a mission's map from above and one of its scans as a range image, and counts points per range.
+
+    draw_scans.py MISSION [--poses DIR] [--robot a] [--scan 20] [-o PREFIX]
+
+MISSION holds one folder per robot (scans/*.bin or *.pcd with float fields, poses.tum). Writes PREFIX-top.png and
+PREFIX-range.png, and prints a table: share of points and density per ring of range, and the noise of flat patches
+(deviation of the points of a 0.4 m cell from their plane, where they are flat).
+"""
+import argparse
+import pathlib
+
+import matplotlib
+import numpy as np
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt  # noqa: E402  (after the backend is chosen)
+
+RINGS_M = [0, 2, 4, 6, 8, 10, 15, 20, 30, 50, 100]
+COLOURS = ["tab:blue", "tab:red", "tab:green", "tab:orange", "tab:purple"]
+
+
+def read_points(path):
+    """Points of a KITTI .bin or a binary PCD whose fields are 4-byte numbers, as an (n, 3) array."""
+    data = path.read_bytes()
+    if path.suffix == ".bin":
+        return np.frombuffer(data, "<f4").reshape(-1, 4)[:, :3].astype(float)
+    header, _, body = data.partition(b"DATA binary\n")
+    fields = next(line for line in header.decode("ascii", "replace").splitlines() if line.startswith("FIELDS")).split()[1:]
+    rows = np.frombuffer(body, "<f4")
+    rows = rows[: len(rows) // len(fields) * len(fields)].reshape(-1, len(fields))
+    points = rows[:, [fields.index(axis) for axis in "xyz"]].astype(float)
+    return points[np.isfinite(points).all(axis=1)]
+
+
+def read_poses(path):
+    """Rotation matrices (n, 3, 3) and translations (n, 3) from a TUM file."""
+    rows = np.loadtxt(path, ndmin=2)
+    x, y, z, w = rows[:, 4:8].T
+    rotation = np.stack([1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w),
+                         2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w),
+                         2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)], axis=-1).reshape(-1, 3, 3)
+    return rotation, rows[:, 1:4]
+
+
+def robots_of(mission):
+    return sorted(folder for folder in mission.iterdir() if (folder / "scans").is_dir())
+
+
+def draw_top(mission, poses, out):
+    figure, axes = plt.subplots(figsize=(11, 11))
+    for number, robot in enumerate(robots_of(mission)):
+        rotation, translation = read_poses(poses / robot.name / "poses.tum")
+        scans = sorted((robot / "scans").iterdir())
+        clouds = []
+        for i in range(0, len(scans), max(1, len(scans) // 60)):
+            points = read_points(scans[i])
+            points = points[np.linalg.norm(points, axis=1) < 40.0]
+            clouds.append(points[::5] @ rotation[i].T + translation[i])
+        cloud = np.concatenate(clouds)
+        # What lies between knee and head tells most about a plan.
+        height = cloud[:, 2] - np.median(translation[:, 2])
+        cloud = cloud[(height > -0.4) & (height < 1.2)]
+        colour = COLOURS[number % len(COLOURS)]
+        axes.scatter(cloud[:, 0], cloud[:, 1], s=0.15, c=colour, alpha=0.35, linewidths=0)
+        axes.plot(translation[:, 0], translation[:, 1], c=colour, lw=1.2, label=robot.name)
+        axes.plot(*translation[0, :2], "*", c=colour, ms=12)
+    axes.set_aspect("equal")
+    axes.legend(loc="upper right")
+    figure.savefig(out, dpi=90, bbox_inches="tight")
+    plt.close(figure)
+
+
+def draw_range(points, out):
+    distance = np.linalg.norm(points, axis=1)
+    azimuth = np.degrees(np.arctan2(points[:, 1], points[:, 0]))
+    elevation = np.degrees(np.arcsin(points[:, 2] / np.maximum(distance, 1e-9)))
+    figure, axes = plt.subplots(figsize=(14, 4))
+    dots = axes.scatter(-azimuth, elevation, s=1.5, c=np.log10(distance), cmap="turbo", linewidths=0)
+    bar = figure.colorbar(dots, ticks=np.log10([1, 2, 5, 10, 20, 50]))
+    bar.ax.set_yticklabels(["1 m", "2", "5", "10", "20", "50"])
+    axes.set_xlabel("azimuth, clockwise [deg]")
+    axes.set_ylabel("elevation [deg]")
+    axes.set_facecolor("black")
+    figure.savefig(out, dpi=90, bbox_inches="tight")
+    plt.close(figure)
+
+
+def flat_noise(points):
+    """Median deviation from the plane over flat, well filled 0.4 m cells within 15 m. [m]"""
+    points = points[np.linalg.norm(points, axis=1) < 15.0]
+    cells = np.floor(points / 0.4).astype(int)
+    order = np.lexsort(cells.T)
+    points, cells = points[order], cells[order]
+    starts = np.flatnonzero(np.r_[True, (np.diff(cells, axis=0) != 0).any(axis=1)])
+    deviations = []
+    for group in np.split(points, starts[1:]):
+        if len(group) < 12:
+            continue
+        values = np.linalg.eigvalsh(np.cov(group.T))
+        if values[1] > 0.005 and values[0] < 0.05 * values[1]:  # not a single ring
+            deviations.append(np.sqrt(values[0] * len(group) / (len(group) - 3.0)))
+    return (np.median(deviations), len(deviations)) if deviations else (float("nan"), 0)
+
+
+def print_table(clouds):
+    """Mean over clouds: points per scan, and per ring of range its share and density on its sphere."""
+    print(f"points per scan {np.mean([len(c) for c in clouds]):.0f}")
+    print("range [m]    share   points per square degree seen")
+    distances = [np.linalg.norm(c, axis=1) for c in clouds]
+    total = sum(len(d) for d in distances)
+    for low, high in zip(RINGS_M, RINGS_M[1:]):
+        count = sum(int(((d >= low) & (d < high)).sum()) for d in distances)
+        print(f"{low:4d}-{high:<4d}   {count / total:7.3f}   {count / len(clouds):9.0f}")
+    noise = [flat_noise(c) for c in clouds]
+    print(f"noise on flat patches {1000 * np.nanmedian([n for n, _ in noise]):.1f} mm"
+          f" ({np.mean([c for _, c in noise]):.0f} patches a scan)")
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("mission", type=pathlib.Path)
+    parser.add_argument("--poses", type=pathlib.Path)
+    parser.add_argument("--robot", default="a")
+    parser.add_argument("--scan", type=int, default=20)
+    parser.add_argument("-o", "--out", default="scans")
+    arguments = parser.parse_args()
+    scans = sorted((arguments.mission / arguments.robot / "scans").iterdir())
+    draw_top(arguments.mission, arguments.poses or arguments.mission, f"{arguments.out}-top.png")
+    draw_range(read_points(scans[min(arguments.scan, len(scans) - 1)]), f"{arguments.out}-range.png")
+    print_table([read_points(scan) for scan in scans[:: max(1, len(scans) // 10)]])
+
+
+if __name__ == "__main__":
+    main()
