@@ -37,8 +37,7 @@ std::optional<PairKind> kind_of(const Submap& source, const Submap& target, int 
 }
 
 // All pairs whose widened boxes touch, and every sequential pair; sorted.
-std::vector<CandidatePair> meeting_pairs(std::span<const Submap> submaps, const PairingOptions& options,
-                                         std::size_t& boxes_met) {
+std::vector<CandidatePair> meeting_pairs(std::span<const Submap> submaps, const PairingOptions& options) {
   std::vector<Eigen::AlignedBox3d> boxes;
   std::vector<Entry> entries;
   for (const Submap& submap : submaps) {
@@ -63,7 +62,6 @@ std::vector<CandidatePair> meeting_pairs(std::span<const Submap> submaps, const 
       if (!kind || *kind == PairKind::kSequential) continue;
       const double allowance_m = drift_allowance_m(source, target, options);
       if (!bg::intersects(widened(box, options.max_distance_m + allowance_m), entry.first)) continue;
-      ++boxes_met;
       pairs.push_back({{source.id, target.id}, *kind, allowance_m});
     }
     const bool has_predecessor = source.id.value > 0 && source.index > 0;
@@ -95,12 +93,14 @@ double drift_allowance_m(const Submap& source, const Submap& target, const Pairi
   return std::min(options.drift_per_metre * path_m, options.drift_max_m);
 }
 
-PairProposal propose_pairs(std::span<const Submap> submaps, const PairingOptions& options, const RunContext& run) {
-  PairProposal proposal;
-  std::vector<CandidatePair> pairs = meeting_pairs(submaps, options, proposal.boxes_met);
+std::vector<CandidatePair> propose_pairs(std::span<const Submap> submaps, const PairingOptions& options,
+                                         const RunContext& run) {
+  std::vector<CandidatePair> pairs = meeting_pairs(submaps, options);
   std::vector<CoarseCells> cells(submaps.size());
   parallel_for(submaps.size(), run, [&](std::size_t i) { cells[i] = coarse_cells(submaps[i].map, kMaxCells); });
-  std::vector<char> keep(pairs.size(), 0);
+  const auto enough = [&](const CoarseOverlap& o) {
+    return o.overlap >= options.overlap_min && o.matched >= options.matched_min;
+  };
   parallel_for(pairs.size(), run, [&](std::size_t i) {
     CandidatePair& pair = pairs[i];
     const Submap& source = submaps[static_cast<std::size_t>(pair.id.source.value)];
@@ -113,19 +113,9 @@ PairProposal propose_pairs(std::span<const Submap> submaps, const PairingOptions
                                                        T_target_source.inverse(), pair.drift_allowance_m);
     pair.predicted_overlap = std::max(forward.overlap, backward.overlap);
     pair.predicted_shift_m = forward.shift_m;
-    const auto enough = [&](const CoarseOverlap& o) {
-      return o.overlap >= options.overlap_min && o.matched >= options.matched_min;
-    };
-    keep[i] = pair.kind == PairKind::kSequential || enough(forward) || enough(backward) ? 1 : 0;
+    pair.predicted_enough = enough(forward) || enough(backward);
   });
-  for (std::size_t i = 0; i < pairs.size(); ++i) {
-    if (keep[i] != 0) {
-      proposal.pairs.push_back(pairs[i]);
-    } else {
-      ++proposal.too_little_overlap;
-    }
-  }
-  return proposal;
+  return pairs;
 }
 
 }  // namespace kilter

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <new>
 
@@ -62,13 +63,15 @@ Expected<std::vector<Submap>> build_all(const std::vector<RobotLog>& robots, con
   return all;
 }
 
-std::vector<PairMeasurement> measure_all(const std::vector<Submap>& submaps, const PairProposal& proposal,
-                                         const CheckOptions& options, const CheckRun& run) {
+// Measures all candidates and keeps those that are listed; the others are counted.
+std::vector<PairMeasurement> measure_all(const std::vector<Submap>& submaps, const std::vector<CandidatePair>& candidates,
+                                         const CheckOptions& options, const CheckRun& run, std::size_t& left_out) {
   const SubmapSearches searches = build_searches(submaps, options, stage_context(run, "search"));
-  std::vector<PairMeasurement> measured(proposal.pairs.size());
-  parallel_for(proposal.pairs.size(), stage_context(run, "pairs"), [&](std::size_t i) {
-    measured[i] = measure_pair(submaps, searches, proposal.pairs[i], options);
+  std::vector<PairMeasurement> measured(candidates.size());
+  parallel_for(candidates.size(), stage_context(run, "pairs"), [&](std::size_t i) {
+    measured[i] = measure_pair(submaps, searches, candidates[i], options);
   });
+  left_out = std::erase_if(measured, [](const PairMeasurement& pair) { return !pair.listed; });
   return measured;
 }
 
@@ -130,15 +133,15 @@ Expected<Result> check(const std::vector<RobotLog>& robots, const CheckOptions& 
     if (!built) return pass_up(built.error());
     submaps = std::move(*built);
   }
-  PairProposal proposal;
+  std::vector<CandidatePair> candidates;
   {
     const Stopwatch watch(result.seconds["pairing"]);
-    proposal = propose_pairs(submaps, options.pairing, stage_context(run, "pairing"));
+    candidates = propose_pairs(submaps, options.pairing, stage_context(run, "pairing"));
   }
   std::vector<PairMeasurement> measured;
   {
     const Stopwatch watch(result.seconds["pairs"]);
-    measured = measure_all(submaps, proposal, options, run);
+    measured = measure_all(submaps, candidates, options, run, result.too_little_overlap);
   }
   if (run.cancelled != nullptr && run.cancelled->load()) return stopped();
   const Stopwatch watch(result.seconds["verdicts"]);
@@ -146,8 +149,8 @@ Expected<Result> check(const std::vector<RobotLog>& robots, const CheckOptions& 
   std::vector<std::string> names;
   for (const RobotLog& robot : robots) names.push_back(robot.name);
   result.system = judge_map(judged, names, options.judge);
-  result.candidates = proposal.boxes_met;
-  result.too_little_overlap = proposal.too_little_overlap;
+  result.candidates = static_cast<std::size_t>(std::count_if(
+      candidates.begin(), candidates.end(), [](const auto& pair) { return pair.kind != PairKind::kSequential; }));
   for (std::size_t i = 0; i < measured.size(); ++i) result.pairs.push_back(pair_result(measured[i], judged[i].verdict, options));
   summarise(robots, submaps, result);
   if (run.fuse_maps) fuse_all(submaps, options, result);

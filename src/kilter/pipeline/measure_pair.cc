@@ -15,6 +15,8 @@ constexpr double kConflictMarginVoxels = 2.0;
 constexpr double kPriorRotation_rad = 0.03;
 // A prior on translation never below this, however short the path between two submaps was. [m]
 constexpr double kLeastPrior_m = 0.05;
+// Source voxels looked at to see whether a candidate is worth measuring.
+constexpr std::size_t kGlanceVoxels = 500;
 
 // Both submaps' searches: by the points of the paper's distances, and by centroids.
 struct PairSearches {
@@ -58,6 +60,17 @@ PoseEvidence measure_at(const PairSearches& pair, const Pose3& T_target_source, 
   return evidence;
 }
 
+// Measuring every voxel of every pair whose boxes touch would cost more than all the rest: a look at some of them
+// tells those that cannot come near the gate. Half the gate leaves room for the sampling.
+bool could_pass_gate(const PairSearches& pair, const Pose3& T_target_source, const MatchingOptions& options) {
+  const OverlapEstimate forward =
+      estimate_overlap(pair.source.map(), pair.target, T_target_source, options, kGlanceVoxels);
+  const OverlapEstimate backward =
+      estimate_overlap(pair.target.map(), pair.source, T_target_source.inverse(), options, kGlanceVoxels);
+  return 2.0 * std::min(forward.matched, backward.matched) >= options.matched_min &&
+         2.0 * std::max(forward.overlap, backward.overlap) >= options.overlap_min;
+}
+
 std::string gate_reason(const TwoWaySample& sample, const CandidatePair& pair, const MatchingOptions& options) {
   std::string reason = sample.matched() < static_cast<std::size_t>(options.matched_min)
                            ? fmt::format("too little overlap: {} voxels match, {} are needed", sample.matched(),
@@ -65,11 +78,18 @@ std::string gate_reason(const TwoWaySample& sample, const CandidatePair& pair, c
                            : fmt::format("too little overlap: {:.0f} % of the voxels match, {:.0f} % are needed",
                                          100.0 * sample.overlap(), 100.0 * options.overlap_min);
   const double shift_m = pair.predicted_shift_m.norm();
-  if (shift_m > 0.0 && pair.predicted_overlap >= options.overlap_min) {
+  if (shift_m > 0.0 && pair.predicted_enough) {
     reason += fmt::format("; moved by {:.1f} m, within what odometry may have drifted, it would overlap {:.0f} %",
                           shift_m, 100.0 * pair.predicted_overlap);
   }
   return reason;
+}
+
+// What is known of the relative position before looking. Inside one robot odometry bounds it; how the frames of two
+// robots lie to each other nothing bounds, so at least the search distance is open.
+double prior_translation_m(const CandidatePair& pair, const CheckOptions& options) {
+  const double least_m = pair.kind == PairKind::kGlobal ? options.matching.max_distance_m : kLeastPrior_m;
+  return std::max(pair.drift_allowance_m, least_m);
 }
 
 }  // namespace
@@ -112,6 +132,11 @@ PairMeasurement measure_pair(std::span<const Submap> submaps, const SubmapSearch
   evidence.T_target_source = submaps[t].T_world_submap.inverse() * submaps[s].T_world_submap;
   const PairSearches both{searches.by_position[s], searches.by_position[t], searches.by_centroid[s],
                           searches.by_centroid[t]};
+  const bool always_listed = pair.kind == PairKind::kSequential || pair.predicted_enough;
+  if (!always_listed && !could_pass_gate(both, evidence.T_target_source, options.matching)) {
+    measurement.listed = false;
+    return measurement;
+  }
   const TwoWaySample sample = sample_both_ways(both, evidence.T_target_source, options);
   evidence.map = measure_at(both, evidence.T_target_source, sample, options);
   measurement.matched = sample.forward.matched();
@@ -122,12 +147,13 @@ PairMeasurement measure_pair(std::span<const Submap> submaps, const SubmapSearch
   }
   evidence.overlaps = sample.passes_gate(options.matching);
   if (!evidence.overlaps) {
+    measurement.listed = always_listed;
     evidence.gate = gate_reason(sample, pair, options.matching);
     return measurement;
   }
   const bool oicp = options.registration.method == RegistrationMethod::kOicp;
   const auto& by = oicp ? searches.by_position : searches.by_centroid;
-  const RegistrationPrior prior{std::max(pair.drift_allowance_m, kLeastPrior_m), kPriorRotation_rad};
+  const RegistrationPrior prior{prior_translation_m(pair, options), kPriorRotation_rad};
   evidence.registration = align_submaps(by[s], by[t], evidence.T_target_source, options.registration, prior);
   if (!evidence.registration->converged()) return measurement;
   const Pose3& T_registered = evidence.registration->T_target_source;

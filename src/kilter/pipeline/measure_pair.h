@@ -29,6 +29,9 @@ struct SubmapSearches {
 
 /// One pair, measured at the map's pose and, if it overlaps there, registered and measured again.
 struct PairMeasurement {
+  /// False for a candidate that overlaps enough neither at the map's pose nor at any pose within the drift allowance:
+  /// it is counted, and nothing else of it was measured. Sequential pairs are always listed.
+  bool listed = true;
   PairEvidence evidence;
   std::size_t matched = 0;  ///< source voxels matched at the map's pose
   double overlap = 0.0;     ///< of the source voxels inside the target's box, the fraction matched there
