@@ -46,11 +46,12 @@ struct PairEvidence {
   std::optional<PoseEvidence> registered;          ///< absent if it did not converge
 };
 
-/// What pairs of this map look like when nothing is wrong: medians over the sequential pairs (all pairs where there
-/// are fewer than five), which survive a fifth of bad ones.
+/// What pairs of this map look like when nothing is wrong: medians over the sequential pairs, which survive a fifth of
+/// bad ones; over all pairs where fewer than two sequential ones were registered.
 struct MapNull {
-  double log10_gamma = 0.0;
-  double log10_gamma_spread = 0.0;  ///< 1.4826 times the median absolute deviation
+  double log10_gamma = 0.0;         ///< at the map's pose
+  double log10_theta = 0.0;         ///< once registered
+  double log10_theta_spread = 0.0;  ///< 1.4826 times the median absolute deviation
   double conflict = 0.0;            ///< share that conflicts once registered
   double conflict_spread = 0.0;
   std::size_t pairs = 0;            ///< how many stand behind it

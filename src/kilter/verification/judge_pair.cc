@@ -19,6 +19,9 @@ constexpr double kOverlapKept = 0.8;
 // Conflict this many spreads above the map's own good pairs, and never below these shares, is out of line.
 constexpr double kConflictSpreads = 4.0;
 constexpr double kConflictSlack = 0.03;
+// Theta this many spreads below the map's own, and at least this many decades, is out of line.
+constexpr double kThetaSpreads = 3.0;
+constexpr double kThetaSlack = 0.3;
 // Never sure beyond this, whatever the Gaussian tail says: the model is only a model.
 constexpr double kMaxLogOdds = 30.0;
 // Registration always moves a little; the fit must gain at least this share of the mean distance to count as better.
@@ -46,6 +49,11 @@ Typical typical_of(const std::vector<double>& values) {
 
 double conflict_limit(const MapNull& null) {
   return null.conflict + std::max(kConflictSpreads * null.conflict_spread, kConflictSlack);
+}
+
+// Without free space only the distances can tell that registration settled in the wrong place (step F11).
+double theta_limit(const MapNull& null) {
+  return null.log10_theta - std::max(kThetaSpreads * null.log10_theta_spread, kThetaSlack);
 }
 
 bool fit_improved(const PairEvidence& pair) {
@@ -102,6 +110,13 @@ std::string doubt(const PairEvidence& pair, const MapNull& null) {
         "differ, or registration settled in the wrong place",
         100.0 * after.conflict.share(), 100.0 * null.conflict);
   }
+  if (after.conflict.known() == 0 && after.score && after.score->log10_gamma &&
+      *after.score->log10_gamma < theta_limit(null)) {
+    return fmt::format(
+        "after registration it agrees worse than other pairs of this map (log10 Theta {:.2f}, typically {:.2f}), and "
+        "points alone cannot say why",
+        *after.score->log10_gamma, null.log10_theta);
+  }
   return {};
 }
 
@@ -122,21 +137,29 @@ std::vector<OptionField> fields(JudgeOptions& o) {
 }
 
 MapNull estimate_null(std::span<const PairEvidence> pairs) {
-  constexpr std::size_t kEnough = 5;
-  for (const bool sequential_only : {true, false}) {
-    std::vector<double> gammas;
-    std::vector<double> conflicts;
-    for (const PairEvidence& pair : pairs) {
-      if (!pair.registered || (sequential_only && pair.kind != PairKind::kSequential)) continue;
-      if (pair.map.score && pair.map.score->log10_gamma) gammas.push_back(*pair.map.score->log10_gamma);
-      if (pair.registered->conflict.known() > 0) conflicts.push_back(pair.registered->conflict.share());
-    }
-    if (sequential_only && gammas.size() < kEnough) continue;
-    const Typical gamma = typical_of(gammas);
-    const Typical conflict = typical_of(conflicts);
-    return {gamma.median, gamma.spread, conflict.median, conflict.spread, gammas.size()};
+  const auto registered_sequential = std::count_if(pairs.begin(), pairs.end(), [](const PairEvidence& pair) {
+    return pair.registered && pair.kind == PairKind::kSequential;
+  });
+  std::vector<double> gammas;
+  std::vector<double> thetas;
+  std::vector<double> conflicts;
+  MapNull null;
+  for (const PairEvidence& pair : pairs) {
+    if (!pair.registered || (registered_sequential >= 2 && pair.kind != PairKind::kSequential)) continue;
+    ++null.pairs;
+    if (pair.map.score && pair.map.score->log10_gamma) gammas.push_back(*pair.map.score->log10_gamma);
+    const std::optional<PairScore>& theta = pair.registered->score;
+    if (theta && theta->log10_gamma) thetas.push_back(*theta->log10_gamma);
+    if (pair.registered->conflict.known() > 0) conflicts.push_back(pair.registered->conflict.share());
   }
-  return {};
+  null.log10_gamma = typical_of(gammas).median;
+  const Typical theta = typical_of(thetas);
+  null.log10_theta = theta.median;
+  null.log10_theta_spread = theta.spread;
+  const Typical conflict = typical_of(conflicts);
+  null.conflict = conflict.median;
+  null.conflict_spread = conflict.spread;
+  return null;
 }
 
 PairVerdict judge_pair(const PairEvidence& pair, const MapNull& null, const JudgeOptions& options) {

@@ -37,7 +37,7 @@ PairEvidence pair_moved(double offset_m, double sigma_m, PairKind kind = PairKin
 
 JudgedPair judged(const PairEvidence& pair, const JudgeOptions& options = {}) {
   return {pair.id, pair.kind, pair.overlaps, pair.kind == PairKind::kGlobal ? 1 : 0, 0,
-          judge_pair(pair, {-1.0, 0.1, 0.02, 0.01, 10}, options)};
+          judge_pair(pair, {2.0, 2.0, 0.1, 0.02, 0.01, 10}, options)};
 }
 
 Verdict verdict_of(const PairEvidence& pair, const JudgeOptions& options = {}) {
@@ -91,6 +91,17 @@ TEST(JudgePair, AnOptimumThatStillConflictsIsNotBelieved) {
   PairEvidence no_better = pair_moved(0.3, 0.01);
   no_better.registered->mean_distance_m = no_better.map.mean_distance_m;
   EXPECT_EQ(verdict_of(no_better), Verdict::kUnverified);
+}
+
+TEST(JudgePair, PointsAloneMustAgreeAsWellAsTheMapsOtherPairs) {
+  PairEvidence pair = pair_moved(0.01, 0.01);
+  pair.registered->conflict = {};
+  PairScore score;
+  score.log10_gamma = 1.9;
+  pair.registered->score = score;
+  EXPECT_EQ(verdict_of(pair), Verdict::kConsistent);
+  pair.registered->score->log10_gamma = 1.2;
+  EXPECT_EQ(verdict_of(pair), Verdict::kUnverified);
 }
 
 TEST(JudgePair, WhatAnUnobservableDirectionCouldHideForbidsConsistent) {
