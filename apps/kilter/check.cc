@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: The kilter authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include <ctime>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -146,10 +147,21 @@ std::vector<OutputFile> output_files(const Result& result, const std::string& js
   return files;
 }
 
-void note_old_maps(const CheckCommand& command) {
+// What is no error, but a person should know.
+void print_notes(const CheckCommand& command, const Result& result) {
+  if (command.common.quiet) return;
+  std::map<std::string, std::size_t> dropped;
+  for (const SubmapSummary& submap : result.submaps) {
+    dropped[submap.robot] += submap.dropped_points;
+    if (submap.occupied == 0) print_note(fmt::format("submap {} holds no surface at all", printable(submap.name)));
+  }
+  for (const auto& [robot, points] : dropped) {
+    if (points == 0) continue;
+    print_note(fmt::format("robot {}: {} points were left out, being not finite or too far away", robot, points));
+  }
   std::error_code error;
   const std::filesystem::path maps = std::filesystem::path(command.output_folder) / "maps";
-  if (command.maps || command.common.quiet || !std::filesystem::exists(maps, error)) return;
+  if (command.maps || !std::filesystem::exists(maps, error)) return;
   print_note(shown(maps) + " is from an earlier run; --maps makes it anew");
 }
 
@@ -179,7 +191,7 @@ int run_check(const CheckCommand& command) {
   if (!result) return print_error(result.error());
   if (stop_flag()) return print_error({ErrorCode::kCancelled, "stopped on request; nothing was written", {}, {}});
   const std::string json = result_json(*result, config_echo(*job), run_info(command));
-  note_old_maps(command);
+  print_notes(command, *result);
   if (auto done = write_output_folder(command.output_folder, output_files(*result, json)); !done) {
     return refuse_output(done.error());
   }

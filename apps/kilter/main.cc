@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: The kilter authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include <csignal>
 #include <exception>
 #include <new>
 #include <optional>
@@ -103,6 +104,8 @@ int run(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   using kilter::ErrorCode;
+  // A file that may not grow any further is an error to tell of, not a reason to die.
+  std::signal(SIGXFSZ, SIG_IGN);
   try {
     return kilter::app::run(argc, argv);
   } catch (const std::bad_alloc&) {

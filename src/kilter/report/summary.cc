@@ -7,6 +7,7 @@
 #include <map>
 #include <numbers>
 #include <set>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -73,14 +74,15 @@ void add_robots(Lines& lines, const Result& result) {
   std::string text;
   for (const RobotSummary& robot : result.robots) {
     if (!text.empty()) text += "; ";
-    text += fmt::format("{} ({} {}, {:.0f} m, {} {})", printable(robot.name, 24), robot.scans,
-                        robot.finished_submaps ? "clouds" : "scans", robot.path_length_m, robot.submaps,
-                        robot.submaps == 1 ? "submap" : "submaps");
+    text += fmt::format("{} ({} {}{}, {:.0f} m, {} submap{})", printable(robot.name, 24), robot.scans,
+                        robot.finished_submaps ? "cloud" : "scan", robot.scans == 1 ? "" : "s", robot.path_length_m,
+                        robot.submaps, robot.submaps == 1 ? "" : "s");
   }
   add_labelled(lines, "Robots", text, 2);
 }
 
 void add_counts(Lines& lines, const Result& result) {
+  if (result.pairs.empty()) return;
   lines.push_back(fmt::format("{:<{}}{:>8}{:>13}{:>14}{:>12}", "Pairs", kLabel, "tested", "consistent", "inconsistent",
                               "unverified"));
   for (const PairKind kind : {PairKind::kSequential, PairKind::kLocal, PairKind::kGlobal}) {
@@ -188,7 +190,8 @@ std::vector<const PairResult*> worst_pairs(const Result& result, std::size_t cou
   }
   const auto badness = [](const PairResult& pair) {
     const bool inconsistent = pair.verdict.verdict == Verdict::kInconsistent;
-    return std::pair(inconsistent, (inconsistent ? pair.verdict.log_odds : pair.verdict.offset_m).value_or(0.0));
+    const double offset_m = pair.verdict.offset_m.value_or(0.0);
+    return std::tuple(inconsistent, inconsistent ? pair.verdict.log_odds.value_or(0.0) : offset_m, offset_m);
   };
   std::stable_sort(pairs.begin(), pairs.end(),
                    [&](const PairResult* a, const PairResult* b) { return badness(*a) > badness(*b); });
@@ -215,7 +218,8 @@ void add_worst(Lines& lines, const Result& result) {
   std::vector<std::array<std::string, 6>> rows;
   for (const PairResult* pair : worst_pairs(result, 5)) rows.push_back(worst_row(result, *pair));
   if (rows.empty()) return;
-  lines.push_back("Worst pairs, target <- source (! inconsistent, ? unverified): offset with 95 % interval, rotation,");
+  lines.push_back(fmt::format("{}, target <- source (! inconsistent, ? unverified): offset, 95 % interval, rotation,",
+                              result.system.state == MapState::kInconsistent ? "Worst pairs" : "Largest offsets"));
   lines.push_back("shift of the source in world axes [cm] that would mend it, probability of being inconsistent");
   std::array<std::size_t, 6> widths{};
   for (const auto& row : rows) {
@@ -237,6 +241,7 @@ std::string next_step(const Result& result, const SummaryOptions& options, bool 
       return fmt::format("give {0}/constraints.g2o to the optimiser, then check its poses with --poses NEW --cuts {0}",
                          folder);
     case MapState::kUndetermined:
+      if (result.pairs.empty()) return "a map can only be compared with itself where it shows a place twice";
       return some_never_meet ? "send robots that never meet through a place that both see, or check them one by one"
                              : fmt::format("the column `reason` of {}/pairs.csv says what each pair lacks", folder);
   }

@@ -125,6 +125,12 @@ TEST(Summary, NamesRobotsThatNeverMeet) {
   EXPECT_THAT(text, HasSubstr("Next        send robots that never meet"));
 }
 
+TEST(Summary, SaysSoWhenThereWasNothingToCompare) {
+  const Result result = testing::result_of({{"a", 1}});
+  EXPECT_THAT(summary(result), Not(HasSubstr("Pairs")));
+  EXPECT_THAT(summary(result), HasSubstr("Next        a map can only be compared with itself where"));
+}
+
 TEST(Summary, ColoursOnlyWhenAskedAndOnlyTheVerdict) {
   const Result result = testing::small_result();
   EXPECT_THAT(summary(result), Not(HasSubstr("\x1b")));
