@@ -20,7 +20,7 @@ constexpr double kFinalKernelVoxels = 0.5;  // level, where it is at least this 
 constexpr double kLeastAgreement = 0.6;    // cosine between normals of matched voxels
 constexpr double kSmallStep_m = 1e-3;
 constexpr double kSmallTurn_rad = 1e-4;
-constexpr double kSupportVoxels = 0.5;  // this near its plane a point supports the pose
+constexpr double kSupportVoxels = 0.25;  // this near its plane a point supports the pose
 constexpr std::size_t kFewestResiduals = 40;
 constexpr std::size_t kAllPoints = 1U << 31;
 

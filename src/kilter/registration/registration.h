@@ -55,7 +55,7 @@ struct RegistrationResult {
   int iterations = 0;
   std::size_t matches = 0;        ///< correspondences at the end, of all voxels (mean of both ways)
   double residual_rms_m = 0.0;    ///< robust-weighted, at the end. [m]
-  /// Correspondences within half a voxel of their plane (of their point, for OICP) at the start and at the end: what
+  /// Correspondences within a quarter voxel of their plane (OICP: half a voxel of their point) at the start and at the end: what
   /// the move has gained. Both ways, of all voxels.
   std::size_t support_start = 0;
   std::size_t support_end = 0;

@@ -25,7 +25,7 @@ constexpr double kThetaSlack = 0.3;
 // Never sure beyond this, whatever the Gaussian tail says: the model is only a model.
 constexpr double kMaxLogOdds = 30.0;
 // Registration always moves a little: a displacement counts only if this many times as many points support the new
-// pose (lie within half a voxel of the other submap's planes) as the map's.
+// pose (lie within a quarter voxel of the other submap's planes) as the map's.
 constexpr double kLeastGain = 1.15;
 
 double median_of(std::vector<double> values) {
