@@ -102,8 +102,7 @@ Expected<void> write_robot(const SimulatedMission& mission, std::size_t r, const
     return write_bytes(folder / "scans" / fmt::format("{:06}.{}", i, suffix), scan_bytes(scan, options.format));
   };
   if (Expected<void> written = for_each_scan(mission, r, run, take); !written) return written;
-  if (Expected<void> written =
-          write_bytes(folder / "poses.tum", tum_text(robot.stamp_s, robot.T_world_sensor));
+  if (Expected<void> written = write_bytes(folder / "poses.tum", tum_text(robot.stamp_s, robot.T_world_sensor));
       !written) {
     return written;
   }
@@ -137,7 +136,8 @@ Expected<void> write_mission(const SimulatedMission& mission, const MissionWrite
   std::size_t before = 0;
   for (std::size_t r = 0; r < mission.robots().size(); ++r) {
     RunContext part = run;
-    if (run.progress) part.progress = [&, before](std::size_t done, std::size_t) { run.progress(before + done, total); };
+    if (run.progress)
+      part.progress = [&, before](std::size_t done, std::size_t) { run.progress(before + done, total); };
     if (Expected<void> written = write_robot(mission, r, options, part); !written) return written;
     before += mission.robots()[r].stamp_s.size();
   }

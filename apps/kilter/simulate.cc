@@ -40,9 +40,10 @@ Expected<FaultRequest> parse_fault(const std::string& text) {
   std::istringstream stream(text);
   for (std::string part; std::getline(stream, part, ':');) parts.push_back(part);
   const auto refuse = [&](const std::string& why) {
-    return fail(ErrorCode::kUsage, "fault \"" + printable(text) + "\": " + why, {},
-                "KIND[:ROBOT[:SIZE_M[:AT]]] with KIND slip, missed-closure, frame-offset, frame-drift, wrong-closure or "
-                "mistaken-place, e.g. slip:a:0.4:0.6");
+    return fail(
+        ErrorCode::kUsage, "fault \"" + printable(text) + "\": " + why, {},
+        "KIND[:ROBOT[:SIZE_M[:AT]]] with KIND slip, missed-closure, frame-offset, frame-drift, wrong-closure or "
+        "mistaken-place, e.g. slip:a:0.4:0.6");
   };
   const std::optional<FaultKind> kind = parts.empty() ? std::nullopt : fault_kind_from(parts[0]);
   if (!kind) return refuse("there is no such kind");
