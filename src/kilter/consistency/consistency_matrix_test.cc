@@ -10,7 +10,9 @@
 namespace kilter {
 namespace {
 
-PairId pair(int source, int target) { return {.source = {source}, .target = {target}}; }
+PairId pair(int source, int target) {
+  return {.source = {source}, .target = {target}};
+}
 
 TEST(PairMatrix, HoldsWhatWasSetAndNothingElse) {
   ConsistencyMatrix gamma(3);

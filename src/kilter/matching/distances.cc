@@ -16,7 +16,8 @@ std::vector<OptionField> fields(MatchingOptions& o) {
                     "Point that stands for a voxel in the paper's distances."),
       real_option("overlap_min", o.overlap_min, Unit::kRatio, 0.0, 1.0,
                   "Matched fraction of the voxels inside the other submap's box, below which a pair stays unverified."),
-      count_option("matched_min", o.matched_min, 2, 1000000000, "Matched voxels below which a pair stays unverified."),
+      count_option("matched_min", o.matched_min, 2, 1000000000,
+                   "Matched voxels below which a pair stays unverified."),
   };
 }
 

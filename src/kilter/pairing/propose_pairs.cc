@@ -105,9 +105,9 @@ PairProposal propose_pairs(std::span<const Submap> submaps, const PairingOptions
     CandidatePair& pair = pairs[i];
     const Submap& source = submaps[static_cast<std::size_t>(pair.id.source.value)];
     const Submap& target = submaps[static_cast<std::size_t>(pair.id.target.value)];
-    const CoarseOverlap best =
-        best_coarse_overlap(cells[static_cast<std::size_t>(source.id.value)], target.map,
-                            target.T_world_submap.inverse() * source.T_world_submap, pair.drift_allowance_m);
+    const CoarseOverlap best = best_coarse_overlap(cells[static_cast<std::size_t>(source.id.value)], target.map,
+                                                   target.T_world_submap.inverse() * source.T_world_submap,
+                                                   pair.drift_allowance_m);
     pair.predicted_overlap = best.overlap;
     pair.predicted_shift_m = best.shift_m;
     const bool enough = best.overlap >= options.overlap_min && best.matched >= options.matched_min;

@@ -14,12 +14,12 @@ namespace kilter {
 
 /// Which submaps could show the same place, and so must be compared.
 struct PairingOptions {
-  int local_min_gap = 2;          ///< the paper's k: (i, j) of one robot is a local pair from i - j = k on
-  double drift_per_metre = 0.01;  ///< how far a pose may have drifted for each metre travelled. [m/m]
-  double drift_max_m = 10.0;      ///< no more than this is allowed for. [m]
-  double max_distance_m = 1.0;    ///< boxes are widened by the paper's d. [m]
-  double overlap_min = 0.15;      ///< predicted overlap below which a candidate is only counted
-  int matched_min = 200;          ///< predicted matches below which a candidate is only counted
+  int local_min_gap = 2;             ///< the paper's k: (i, j) of one robot is a local pair from i - j = k on
+  double drift_per_metre = 0.01;     ///< how far a pose may have drifted for each metre travelled. [m/m]
+  double drift_max_m = 10.0;         ///< no more than this is allowed for. [m]
+  double max_distance_m = 1.0;       ///< boxes are widened by the paper's d. [m]
+  double overlap_min = 0.15;         ///< predicted overlap below which a candidate is only counted
+  int matched_min = 200;             ///< predicted matches below which a candidate is only counted
 };
 
 [[nodiscard]] std::vector<OptionField> fields(PairingOptions& options);
@@ -28,16 +28,16 @@ struct PairingOptions {
 struct CandidatePair {
   PairId id;
   PairKind kind = PairKind::kSequential;
-  double drift_allowance_m = 0.0;  ///< how far the true relative position may be from the map's. [m]
-  double predicted_overlap = 0.0;  ///< best coarse overlap within the allowance, 0..1
+  double drift_allowance_m = 0.0;   ///< how far the true relative position may be from the map's. [m]
+  double predicted_overlap = 0.0;   ///< best coarse overlap within the allowance, 0..1
   /// Shift of the source, in the target's frame, at which the best coarse overlap was found. [m]
   Eigen::Vector3d predicted_shift_m = Eigen::Vector3d::Zero();
 };
 
 struct PairProposal {
-  std::vector<CandidatePair> pairs;    ///< sorted by PairId; every sequential pair is among them
-  std::size_t boxes_met = 0;           ///< pairs whose widened boxes touch (sequential ones not counted)
-  std::size_t too_little_overlap = 0;  ///< of these, left out: no shift within the allowance overlaps enough
+  std::vector<CandidatePair> pairs;        ///< sorted by PairId; every sequential pair is among them
+  std::size_t boxes_met = 0;               ///< pairs whose widened boxes touch (sequential ones not counted)
+  std::size_t too_little_overlap = 0;      ///< of these, left out: no shift within the allowance overlaps enough
 };
 
 /// How far apart the truth of two submaps may be from what the map says: drift_per_metre times the path between them

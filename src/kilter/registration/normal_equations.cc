@@ -30,7 +30,8 @@ Vector6 jacobian(const PlaneResidual& r, const NormalEquations& equations) {
 Matrix6 scaling_of(const Eigen::Matrix3d& scatter_m2) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(scatter_m2);
   const Eigen::Vector3d spread_m2 = solver.eigenvalues().cwiseMax(0.0);
-  const Eigen::Vector3d radii_m = (Eigen::Vector3d::Constant(spread_m2.sum()) - spread_m2).cwiseSqrt().cwiseMax(1e-3);
+  const Eigen::Vector3d radii_m =
+      (Eigen::Vector3d::Constant(spread_m2.sum()) - spread_m2).cwiseSqrt().cwiseMax(1e-3);
   Matrix6 unscale = Matrix6::Zero();
   unscale.topLeftCorner<3, 3>() = solver.eigenvectors();
   unscale.bottomRightCorner<3, 3>() = solver.eigenvectors() * radii_m.cwiseInverse().asDiagonal();

@@ -51,9 +51,10 @@ void trim(std::vector<PointMatch>& matches, double fraction) {
   std::stable_sort(matches.begin(), matches.end(), [](const PointMatch& a, const PointMatch& b) {
     return a.target_voxel != b.target_voxel ? a.target_voxel < b.target_voxel : a.distance_m < b.distance_m;
   });
-  matches.erase(std::unique(matches.begin(), matches.end(),
-                            [](const PointMatch& a, const PointMatch& b) { return a.target_voxel == b.target_voxel; }),
-                matches.end());
+  matches.erase(
+      std::unique(matches.begin(), matches.end(),
+                  [](const PointMatch& a, const PointMatch& b) { return a.target_voxel == b.target_voxel; }),
+      matches.end());
   std::stable_sort(matches.begin(), matches.end(),
                    [](const PointMatch& a, const PointMatch& b) { return a.distance_m < b.distance_m; });
   matches.resize(static_cast<std::size_t>(std::ceil(fraction * static_cast<double>(matches.size()))));
@@ -94,7 +95,8 @@ std::vector<PlaneResidual> axis_residuals(const std::vector<PointMatch>& matches
   return residuals;
 }
 
-double overlap_at(const NearestVoxelSearch& source, const NearestVoxelSearch& target, const Pose3& T, double search_m) {
+double overlap_at(const NearestVoxelSearch& source, const NearestVoxelSearch& target, const Pose3& T,
+                  double search_m) {
   std::size_t matched = 0;
   const std::size_t count = source.map().voxels().size();
   for (std::size_t i = 0; i < count; ++i) {

@@ -10,12 +10,12 @@
 namespace kilter {
 namespace {
 
-constexpr double kShrink = 0.8;             // search distance, from one iteration to the next
-constexpr double kFinalSearchVoxels = 4.0;  // and where that ends
-constexpr double kLeastAgreement = 0.6;     // cosine between normals of matched voxels
+constexpr double kShrink = 0.8;            // search distance, from one iteration to the next
+constexpr double kFinalSearchVoxels = 4.0; // and where that ends
+constexpr double kLeastAgreement = 0.6;    // cosine between normals of matched voxels
 constexpr double kSmallStep_m = 2e-4;
 constexpr double kSmallTurn_rad = 2e-5;
-constexpr double kCell_m = 1.0;  // residuals of one cell are one observation
+constexpr double kCell_m = 1.0;            // residuals of one cell are one observation
 
 struct Kernel {
   double scale_m;
