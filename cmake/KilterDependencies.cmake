@@ -7,3 +7,16 @@ find_package(fmt REQUIRED)
 find_package(tl-expected REQUIRED)
 find_package(Threads REQUIRED)
 find_package(Boost 1.74 REQUIRED)
+find_package(nlohmann_json REQUIRED)
+
+# Not every distribution's liblzf brings a CMake or pkg-config file.
+if(NOT TARGET LZF::LZF)
+  find_path(LZF_INCLUDE_DIR liblzf/lzf.h REQUIRED)
+  find_library(LZF_LIBRARY lzf REQUIRED)
+  mark_as_advanced(LZF_INCLUDE_DIR LZF_LIBRARY)
+  add_library(LZF::LZF UNKNOWN IMPORTED)
+  set_target_properties(LZF::LZF PROPERTIES
+    IMPORTED_LOCATION "${LZF_LIBRARY}" INTERFACE_INCLUDE_DIRECTORIES "${LZF_INCLUDE_DIR}")
+endif()
+# Optional: the simulator casts its rays with it.
+find_package(embree 3 QUIET)

@@ -143,11 +143,8 @@ def write_poses(folder: Path, poses: list[Pose]) -> None:
     (folder / "poses.tum").write_text("".join(lines), encoding="ascii")
 
 
-def main() -> int:
-    if len(sys.argv) != 2:
-        print("usage: make_tiny_mission.py DIR", file=sys.stderr)
-        return 2
-    root = Path(sys.argv[1])
+def write(root: Path) -> None:
+    """Writes mission and truth under `root`; what was there under the same names is replaced."""
     noise = random.Random(1)
     for robot, truth in drives().items():
         write_poses(root / "truth" / robot, truth)
@@ -156,6 +153,13 @@ def main() -> int:
         scans.mkdir(exist_ok=True)
         for i, pose in enumerate(truth):
             (scans / f"{i:06d}.bin").write_bytes(scan(pose, noise))
+
+
+def main() -> int:
+    if len(sys.argv) != 2:
+        print("usage: make_tiny_mission.py DIR", file=sys.stderr)
+        return 2
+    write(Path(sys.argv[1]))
     return 0
 
 

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "kilter/matching/distances.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace kilter {
@@ -21,14 +22,23 @@ std::vector<OptionField> fields(MatchingOptions& o) {
   };
 }
 
+namespace {
+
+Eigen::AlignedBox3d widened_box(const VoxelMap& map, double by_m) {
+  Eigen::AlignedBox3d box = map.bounds_m();
+  box.min().array() -= by_m;
+  box.max().array() += by_m;
+  return box;
+}
+
+}  // namespace
+
 DistanceSample measure_distances(const VoxelMap& source, const NearestVoxelSearch& target, const Pose3& T_target_source,
                                  const MatchingOptions& options) {
   DistanceSample sample;
   if (source.voxels().size() == 0 || target.map().voxels().size() == 0) return sample;
   const double d = options.max_distance_m;
-  Eigen::AlignedBox3d box = target.map().bounds_m();
-  box.min().array() -= d;
-  box.max().array() += d;
+  const Eigen::AlignedBox3d box = widened_box(target.map(), d);
   const Eigen::Isometry3d T = T_target_source.isometry();
   double euclidean_sum = 0.0;
   double occupancy_sum = 0.0;
@@ -51,6 +61,26 @@ DistanceSample measure_distances(const VoxelMap& source, const NearestVoxelSearc
     sample.mean_occupancy_m = occupancy_sum / static_cast<double>(sample.matched());
   }
   return sample;
+}
+
+OverlapEstimate estimate_overlap(const VoxelMap& source, const NearestVoxelSearch& target,
+                                 const Pose3& T_target_source, const MatchingOptions& options,
+                                 std::size_t max_samples) {
+  const std::size_t count = source.voxels().size();
+  if (count == 0 || target.map().voxels().size() == 0) return {};
+  const std::size_t stride = std::max<std::size_t>(1, count / max_samples);
+  const Eigen::AlignedBox3d box = widened_box(target.map(), options.max_distance_m);
+  const Eigen::Isometry3d T = T_target_source.isometry();
+  std::size_t candidates = 0;
+  std::size_t matched = 0;
+  for (std::size_t i = 0; i < count; i += stride) {
+    const Eigen::Vector3d at_m = T * voxel_position_m(source, i, options.position);
+    if (!box.contains(at_m)) continue;
+    ++candidates;
+    if (target.nearest(at_m, options.max_distance_m)) ++matched;
+  }
+  if (candidates == 0) return {};
+  return {static_cast<double>(matched * stride), static_cast<double>(matched) / static_cast<double>(candidates)};
 }
 
 }  // namespace kilter

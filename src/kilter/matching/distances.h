@@ -45,4 +45,13 @@ struct DistanceSample {
 [[nodiscard]] DistanceSample measure_distances(const VoxelMap& source, const NearestVoxelSearch& target,
                                                const Pose3& T_target_source, const MatchingOptions& options);
 
+/// What measure_distances would find, guessed from at most `max_samples` evenly picked source voxels; scaled up.
+struct OverlapEstimate {
+  double matched = 0.0;
+  double overlap = 0.0;
+};
+[[nodiscard]] OverlapEstimate estimate_overlap(const VoxelMap& source, const NearestVoxelSearch& target,
+                                               const Pose3& T_target_source, const MatchingOptions& options,
+                                               std::size_t max_samples);
+
 }  // namespace kilter

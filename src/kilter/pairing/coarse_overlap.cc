@@ -50,9 +50,14 @@ CoarseOverlap coarse_overlap(const CoarseCells& source, const VoxelMap& target, 
   CoarseOverlap result;
   result.shift_m = shift_m;
   double inside = 0.0;
+  // Half a block wider, as surface_near looks: a wall's box is thinner than the errors that matter.
+  Eigen::AlignedBox3d box = target.bounds_m();
+  const double half_m = 0.5 * kBlockSize * target.resolution_m();
+  box.min().array() -= half_m;
+  box.max().array() += half_m;
   for (std::size_t i = 0; i < source.centres_m.size(); ++i) {
     const Eigen::Vector3d at_m = T_target_source * source.centres_m[i] + shift_m;
-    if (!target.bounds_m().contains(at_m)) continue;
+    if (!box.contains(at_m)) continue;
     inside += source.weights[i];
     if (surface_near(target, at_m)) result.matched += source.weights[i];
   }

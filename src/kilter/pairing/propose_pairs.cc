@@ -37,8 +37,7 @@ std::optional<PairKind> kind_of(const Submap& source, const Submap& target, int 
 }
 
 // All pairs whose widened boxes touch, and every sequential pair; sorted.
-std::vector<CandidatePair> meeting_pairs(std::span<const Submap> submaps, const PairingOptions& options,
-                                         std::size_t& boxes_met) {
+std::vector<CandidatePair> meeting_pairs(std::span<const Submap> submaps, const PairingOptions& options) {
   std::vector<Eigen::AlignedBox3d> boxes;
   std::vector<Entry> entries;
   for (const Submap& submap : submaps) {
@@ -63,7 +62,6 @@ std::vector<CandidatePair> meeting_pairs(std::span<const Submap> submaps, const 
       if (!kind || *kind == PairKind::kSequential) continue;
       const double allowance_m = drift_allowance_m(source, target, options);
       if (!bg::intersects(widened(box, options.max_distance_m + allowance_m), entry.first)) continue;
-      ++boxes_met;
       pairs.push_back({{source.id, target.id}, *kind, allowance_m});
     }
     const bool has_predecessor = source.id.value > 0 && source.index > 0;
@@ -95,32 +93,29 @@ double drift_allowance_m(const Submap& source, const Submap& target, const Pairi
   return std::min(options.drift_per_metre * path_m, options.drift_max_m);
 }
 
-PairProposal propose_pairs(std::span<const Submap> submaps, const PairingOptions& options, const RunContext& run) {
-  PairProposal proposal;
-  std::vector<CandidatePair> pairs = meeting_pairs(submaps, options, proposal.boxes_met);
+std::vector<CandidatePair> propose_pairs(std::span<const Submap> submaps, const PairingOptions& options,
+                                         const RunContext& run) {
+  std::vector<CandidatePair> pairs = meeting_pairs(submaps, options);
   std::vector<CoarseCells> cells(submaps.size());
   parallel_for(submaps.size(), run, [&](std::size_t i) { cells[i] = coarse_cells(submaps[i].map, kMaxCells); });
-  std::vector<char> keep(pairs.size(), 0);
+  const auto enough = [&](const CoarseOverlap& o) {
+    return o.overlap >= options.overlap_min && o.matched >= options.matched_min;
+  };
   parallel_for(pairs.size(), run, [&](std::size_t i) {
     CandidatePair& pair = pairs[i];
     const Submap& source = submaps[static_cast<std::size_t>(pair.id.source.value)];
     const Submap& target = submaps[static_cast<std::size_t>(pair.id.target.value)];
-    const CoarseOverlap best = best_coarse_overlap(cells[static_cast<std::size_t>(source.id.value)], target.map,
-                                                   target.T_world_submap.inverse() * source.T_world_submap,
-                                                   pair.drift_allowance_m);
-    pair.predicted_overlap = best.overlap;
-    pair.predicted_shift_m = best.shift_m;
-    const bool enough = best.overlap >= options.overlap_min && best.matched >= options.matched_min;
-    keep[i] = pair.kind == PairKind::kSequential || enough ? 1 : 0;
+    const Pose3 T_target_source = target.T_world_submap.inverse() * source.T_world_submap;
+    const CoarseOverlap forward = best_coarse_overlap(cells[static_cast<std::size_t>(source.id.value)], target.map,
+                                                      T_target_source, pair.drift_allowance_m);
+    // The other way round too: which of the two comes first must not decide whether a pair is looked at.
+    const CoarseOverlap backward = best_coarse_overlap(cells[static_cast<std::size_t>(target.id.value)], source.map,
+                                                       T_target_source.inverse(), pair.drift_allowance_m);
+    pair.predicted_overlap = std::max(forward.overlap, backward.overlap);
+    pair.predicted_shift_m = forward.shift_m;
+    pair.predicted_enough = enough(forward) || enough(backward);
   });
-  for (std::size_t i = 0; i < pairs.size(); ++i) {
-    if (keep[i] != 0) {
-      proposal.pairs.push_back(pairs[i]);
-    } else {
-      ++proposal.too_little_overlap;
-    }
-  }
-  return proposal;
+  return pairs;
 }
 
 }  // namespace kilter

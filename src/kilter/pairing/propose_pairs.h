@@ -18,26 +18,21 @@ struct PairingOptions {
   double drift_per_metre = 0.01;     ///< how far a pose may have drifted for each metre travelled. [m/m]
   double drift_max_m = 10.0;         ///< no more than this is allowed for. [m]
   double max_distance_m = 1.0;       ///< boxes are widened by the paper's d. [m]
-  double overlap_min = 0.15;         ///< predicted overlap below which a candidate is only counted
-  int matched_min = 200;             ///< predicted matches below which a candidate is only counted
+  double overlap_min = 0.15;         ///< predicted overlap that is enough
+  int matched_min = 200;             ///< predicted matches that are enough
 };
 
 [[nodiscard]] std::vector<OptionField> fields(PairingOptions& options);
 
-/// A pair worth measuring.
+/// A pair that could show one place.
 struct CandidatePair {
   PairId id;
   PairKind kind = PairKind::kSequential;
   double drift_allowance_m = 0.0;   ///< how far the true relative position may be from the map's. [m]
   double predicted_overlap = 0.0;   ///< best coarse overlap within the allowance, 0..1
+  bool predicted_enough = false;    ///< that overlap, and the matches it promises, pass the gates
   /// Shift of the source, in the target's frame, at which the best coarse overlap was found. [m]
   Eigen::Vector3d predicted_shift_m = Eigen::Vector3d::Zero();
-};
-
-struct PairProposal {
-  std::vector<CandidatePair> pairs;        ///< sorted by PairId; every sequential pair is among them
-  std::size_t boxes_met = 0;               ///< pairs whose widened boxes touch (sequential ones not counted)
-  std::size_t too_little_overlap = 0;      ///< of these, left out: no shift within the allowance overlaps enough
 };
 
 /// How far apart the truth of two submaps may be from what the map says: drift_per_metre times the path between them
@@ -45,9 +40,11 @@ struct PairProposal {
 [[nodiscard]] double drift_allowance_m(const Submap& source, const Submap& target, const PairingOptions& options);
 
 /// Finds sequential (i, i-1), local (i, j <= i - k) and global (b, a) pairs (Eq. 4-6) whose boxes, widened by d and
-/// the drift allowance, touch, and whose coarse occupancy (one block of 8 voxels a cell) overlaps enough for some
-/// horizontal shift within the allowance. Deterministic. O(N log N + boxes met).
-[[nodiscard]] PairProposal propose_pairs(std::span<const Submap> submaps, const PairingOptions& options,
+/// the drift allowance, touch, and says how much their coarse occupancy (one block of 8 voxels a cell) would overlap at
+/// the best horizontal shift within the allowance.
+/// \return sorted by PairId; every sequential pair is among them, boxes touching or not. Deterministic.
+/// O(N log N + pairs).
+[[nodiscard]] std::vector<CandidatePair> propose_pairs(std::span<const Submap> submaps, const PairingOptions& options,
                                          const RunContext& run);
 
 }  // namespace kilter

@@ -34,9 +34,9 @@ Submap submap_at(int id, int robot, int index, double x_m, double path_m) {
   return submap;
 }
 
-std::vector<std::pair<int, int>> ids(const PairProposal& proposal) {
+std::vector<std::pair<int, int>> ids(const std::vector<CandidatePair>& proposal) {
   std::vector<std::pair<int, int>> out;
-  for (const CandidatePair& pair : proposal.pairs) out.emplace_back(pair.id.source.value, pair.id.target.value);
+  for (const CandidatePair& pair : proposal) out.emplace_back(pair.id.source.value, pair.id.target.value);
   return out;
 }
 
@@ -44,12 +44,12 @@ TEST(ProposePairs, NamesTheThreeKinds) {
   std::vector<Submap> submaps;
   for (int i = 0; i < 3; ++i) submaps.push_back(submap_at(i, 0, i, 0.5 * i, 10.0 * i));
   submaps.push_back(submap_at(3, 1, 0, 0.2, 0.0));
-  const PairProposal proposal = propose_pairs(submaps, {}, {});
+  const std::vector<CandidatePair> proposal = propose_pairs(submaps, {}, {});
   const std::vector<std::pair<int, int>> expected = {{1, 0}, {2, 0}, {2, 1}, {3, 0}, {3, 1}, {3, 2}};
   EXPECT_EQ(ids(proposal), expected);
-  EXPECT_EQ(proposal.pairs[0].kind, PairKind::kSequential);
-  EXPECT_EQ(proposal.pairs[1].kind, PairKind::kLocal);
-  EXPECT_EQ(proposal.pairs[3].kind, PairKind::kGlobal);
+  EXPECT_EQ(proposal[0].kind, PairKind::kSequential);
+  EXPECT_EQ(proposal[1].kind, PairKind::kLocal);
+  EXPECT_EQ(proposal[3].kind, PairKind::kGlobal);
 }
 
 TEST(ProposePairs, LocalPairsBeginAtTheGap) {
@@ -62,19 +62,34 @@ TEST(ProposePairs, LocalPairsBeginAtTheGap) {
 TEST(ProposePairs, FindsPairsThatDriftedApart) {
   std::vector<Submap> submaps = {submap_at(0, 0, 0, 0.0, 0.0), submap_at(1, 0, 1, 200.0, 300.0),
                                  submap_at(2, 0, 2, 9.0, 600.0)};
-  const PairProposal with_drift = propose_pairs(submaps, {}, {});
+  const std::vector<CandidatePair> with_drift = propose_pairs(submaps, {}, {});
   ASSERT_EQ(ids(with_drift), (std::vector<std::pair<int, int>>{{1, 0}, {2, 0}, {2, 1}}));
-  EXPECT_LT(with_drift.pairs[1].predicted_shift_m.x(), -1.0);
-  const PairProposal without = propose_pairs(submaps, {.drift_per_metre = 0.0}, {});
+  EXPECT_LT(with_drift[1].predicted_shift_m.x(), -1.0);
+  const std::vector<CandidatePair> without = propose_pairs(submaps, {.drift_per_metre = 0.0}, {});
   EXPECT_EQ(ids(without), (std::vector<std::pair<int, int>>{{1, 0}, {2, 1}}));
 }
 
-TEST(ProposePairs, CountsWhatItLeavesOut) {
-  std::vector<Submap> submaps = {submap_at(0, 0, 0, 0.0, 0.0), submap_at(1, 1, 0, 6.5, 0.0)};
-  const PairProposal proposal = propose_pairs(submaps, {.drift_per_metre = 0.0}, {});
-  EXPECT_TRUE(proposal.pairs.empty());
-  EXPECT_EQ(proposal.boxes_met, 1U);
-  EXPECT_EQ(proposal.too_little_overlap, 1U);
+TEST(ProposePairs, SaysWhichCandidatesPromiseTooLittle) {
+  std::vector<Submap> submaps = {submap_at(0, 0, 0, 0.0, 0.0), submap_at(1, 1, 0, 6.5, 0.0),
+                                 submap_at(2, 1, 1, 2.0, 0.0)};
+  const std::vector<CandidatePair> proposal = propose_pairs(submaps, {.drift_per_metre = 0.0}, {});
+  ASSERT_EQ(ids(proposal), (std::vector<std::pair<int, int>>{{1, 0}, {2, 0}, {2, 1}}));
+  EXPECT_FALSE(proposal[0].predicted_enough);
+  EXPECT_TRUE(proposal[1].predicted_enough);
+}
+
+// A wall's box is a few centimetres thin: a doubled wall lies beside it and must still be a candidate.
+TEST(CoarseOverlap, SeesAWallBesideAWall) {
+  std::vector<Eigen::Vector3d> points;
+  for (int y = 0; y < 80; ++y) {
+    for (int z = 0; z < 30; ++z) points.emplace_back(3.02, 0.1 * y + 0.03, 0.1 * z + 0.04);
+  }
+  MapBuilder builder({.resolution_m = 0.1});
+  builder.insert_points(points);
+  const VoxelMap wall = builder.finish();
+  const CoarseOverlap doubled =
+      coarse_overlap(coarse_cells(wall, 256), wall, Pose3::from_translation(0.2, 0.0, 0.0), Eigen::Vector3d::Zero());
+  EXPECT_GT(doubled.overlap, 0.9);
 }
 
 TEST(ProposePairs, SequentialPairsAreListedEvenWithoutOverlapOrPoints) {
@@ -86,11 +101,11 @@ TEST(ProposePairs, SequentialPairsAreListedEvenWithoutOverlapOrPoints) {
 TEST(ProposePairs, ThreadsChangeNothing) {
   std::vector<Submap> submaps;
   for (int i = 0; i < 8; ++i) submaps.push_back(submap_at(i, i / 4, i % 4, 1.3 * i, 10.0 * i));
-  const PairProposal one = propose_pairs(submaps, {}, {.threads = 1});
-  const PairProposal four = propose_pairs(submaps, {}, {.threads = 4});
+  const std::vector<CandidatePair> one = propose_pairs(submaps, {}, {.threads = 1});
+  const std::vector<CandidatePair> four = propose_pairs(submaps, {}, {.threads = 4});
   ASSERT_EQ(ids(one), ids(four));
-  for (std::size_t i = 0; i < one.pairs.size(); ++i) {
-    EXPECT_EQ(one.pairs[i].predicted_overlap, four.pairs[i].predicted_overlap);
+  for (std::size_t i = 0; i < one.size(); ++i) {
+    EXPECT_EQ(one[i].predicted_overlap, four[i].predicted_overlap);
   }
 }
 

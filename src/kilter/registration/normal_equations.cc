@@ -95,8 +95,7 @@ Vector6 solve_observable(const NormalEquations& equations, const ObservableSplit
 }
 
 Matrix6 cluster_covariance(std::span<const PlaneResidual> residuals, const NormalEquations& equations,
-                           const ObservableSplit& split, double cell_m, double floor_m, double prior_translation_m,
-                           double prior_rotation_rad) {
+                           const ObservableSplit& split, double cell_m, double floor_m) {
   std::map<std::array<int, 3>, Vector6> cells;
   for (const PlaneResidual& r : residuals) {
     const Eigen::Vector3i cell = (r.point_m / cell_m).array().floor().matrix().cast<int>();
@@ -109,16 +108,32 @@ Matrix6 cluster_covariance(std::span<const PlaneResidual> residuals, const Norma
   if (count > 6.0) meat *= count / (count - 6.0);  // six unknowns were fitted to these cells
   const Matrix6 inverse = observable_inverse(equations, split);
   Matrix6 covariance = inverse * meat * inverse.transpose();
-  for (int k = 0; k < 6; ++k) {
-    const Vector6 direction = split.directions.col(k);
-    // The prior belongs to (v, w); a scaled unit direction moves by this much of each.
-    const Vector6 moved = equations.unscale * direction;
-    const double in_priors = moved.head<3>().squaredNorm() / (prior_translation_m * prior_translation_m) +
-                             moved.tail<3>().squaredNorm() / (prior_rotation_rad * prior_rotation_rad);
-    const double prior2 = 1.0 / in_priors;
-    covariance += (k < split.unobservable ? prior2 : floor_m * floor_m) * direction * direction.transpose();
+  for (int k = split.unobservable; k < 6; ++k) {
+    covariance += floor_m * floor_m * split.directions.col(k) * split.directions.col(k).transpose();
   }
   return equations.unscale * covariance * equations.unscale.transpose();
+}
+
+Matrix6 prior_covariance(const NormalEquations& equations, const ObservableSplit& split, double prior_translation_m,
+                         double prior_rotation_rad) {
+  Matrix6 covariance = Matrix6::Zero();
+  for (int k = 0; k < split.unobservable; ++k) {
+    // The prior belongs to (v, w); a scaled unit direction moves by this much of each.
+    const Vector6 moved = equations.unscale * split.directions.col(k);
+    const double in_priors = moved.head<3>().squaredNorm() / (prior_translation_m * prior_translation_m) +
+                             moved.tail<3>().squaredNorm() / (prior_rotation_rad * prior_rotation_rad);
+    covariance += moved * moved.transpose() / in_priors;
+  }
+  return covariance;
+}
+
+Eigen::Matrix3d scatter_about(std::span<const PlaneResidual> residuals, const Eigen::Vector3d& centre_m) {
+  Eigen::Matrix3d scatter_m2 = Eigen::Matrix3d::Zero();
+  for (const PlaneResidual& r : residuals) {
+    const Eigen::Vector3d arm_m = r.point_m - centre_m;
+    scatter_m2.noalias() += arm_m * arm_m.transpose() / static_cast<double>(residuals.size());
+  }
+  return scatter_m2;
 }
 
 Matrix6 covariance_in_source(const Matrix6& about_centre, const Eigen::Vector3d& centre_m,

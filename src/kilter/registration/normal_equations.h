@@ -46,12 +46,17 @@ struct ObservableSplit {
 /// The step (v [m], w [rad]) that solves the equations on the observable directions, zero along the others.
 [[nodiscard]] Vector6 solve_observable(const NormalEquations& equations, const ObservableSplit& split);
 
-/// Covariance of (v, w) about the centre, target axes: sandwich estimate with residuals of one metre-sized cell taken
-/// as one observation (they share noise, lattice and plane), plus `floor_m` squared, the prior's variance along
-/// unobservable directions.
+/// Covariance of (v, w) about the centre, target axes, on the observable directions: sandwich estimate with residuals
+/// of one metre-sized cell taken as one observation (they share noise, lattice and plane), plus `floor_m` squared.
 [[nodiscard]] Matrix6 cluster_covariance(std::span<const PlaneResidual> residuals, const NormalEquations& equations,
-                                         const ObservableSplit& split, double cell_m, double floor_m,
-                                         double prior_translation_m, double prior_rotation_rad);
+                                         const ObservableSplit& split, double cell_m, double floor_m);
+
+/// What a prior of independent (v, w) leaves along the directions that the scene does not fix; zero elsewhere.
+[[nodiscard]] Matrix6 prior_covariance(const NormalEquations& equations, const ObservableSplit& split,
+                                       double prior_translation_m, double prior_rotation_rad);
+
+/// Mean of (p - centre)(p - centre)^T, unweighted. [m^2]
+[[nodiscard]] Eigen::Matrix3d scatter_about(std::span<const PlaneResidual> residuals, const Eigen::Vector3d& centre_m);
 
 /// Moves a covariance of (v, w) about `centre_m` in the target frame to T * Exp(xi) in the source's frame.
 [[nodiscard]] Matrix6 covariance_in_source(const Matrix6& about_centre, const Eigen::Vector3d& centre_m,

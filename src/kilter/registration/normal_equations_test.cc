@@ -72,16 +72,17 @@ TEST(ClusterCovariance, IndependentNoiseGivesTheTextbookCovariance) {
     const ObservableSplit split = split_observable(equations);
     const Vector6 step = solve_observable(equations, split);
     empirical += step.head<3>().cwiseAbs2() / kTrials;
-    claimed += cluster_covariance(residuals, equations, split, 1.0, 0.0, 1.0, 0.1).diagonal().head<3>() / kTrials;
+    claimed += cluster_covariance(residuals, equations, split, 1.0, 0.0).diagonal().head<3>() / kTrials;
   }
   for (int axis = 0; axis < 3; ++axis) EXPECT_NEAR(claimed[axis] / empirical[axis], 1.0, 0.3);
 }
 
-TEST(ClusterCovariance, UnobservableDirectionsHoldThePrior) {
+TEST(PriorCovariance, UnobservableDirectionsHoldThePrior) {
   const auto residuals = box_residuals({}, {false, true, true}, 0.01, 4);
   const NormalEquations equations = build_normal_equations(residuals);
+  const ObservableSplit split = split_observable(equations);
   const Matrix6 covariance =
-      cluster_covariance(residuals, equations, split_observable(equations), 1.0, 0.005, 0.7, 0.1);
+      cluster_covariance(residuals, equations, split, 1.0, 0.005) + prior_covariance(equations, split, 0.7, 0.1);
   EXPECT_NEAR(std::sqrt(covariance(0, 0)), 0.7, 0.02);
   EXPECT_LT(std::sqrt(covariance(1, 1)), 0.02);
 }

@@ -8,6 +8,7 @@
 #include <numeric>
 
 #include "kilter/registration/normal_equations.h"
+#include "kilter/registration/uncertainty.h"
 
 namespace kilter {
 namespace {
@@ -17,7 +18,6 @@ constexpr double kFinalSearchVoxels = 3.0;
 constexpr double kMaxOccupancyDifference = 0.4;
 constexpr double kSmallTurn_rad = 1e-4;
 constexpr int kSettledIterations = 3;
-constexpr double kCell_m = 1.0;
 
 struct PointMatch {
   Eigen::Vector3d source_m;  // in the target's frame
@@ -149,10 +149,8 @@ RegistrationResult align_oicp(const NearestVoxelSearch& source, const NearestVox
   result.T_target_source = T;
   result.matches = matches.size();
   result.residual_rms_m = std::sqrt(3.0 * equations.squares_m2 / equations.weight);
-  result.centre_target_m = equations.centre_m;
-  const Matrix6 about_centre = cluster_covariance(residuals, equations, split, kCell_m, 0.5 * resolution_m,
-                                                  prior.translation_m, prior.rotation_rad);
-  result.covariance = covariance_in_source(about_centre, equations.centre_m, T);
+  // Points of two lattices settle within half a voxel of each other.
+  describe_uncertainty(residuals, equations, split, 0.5 * resolution_m, prior, result);
   return result;
 }
 

@@ -6,16 +6,22 @@
 #include <cmath>
 
 #include "kilter/registration/normal_equations.h"
+#include "kilter/registration/uncertainty.h"
 
 namespace kilter {
 namespace {
 
-constexpr double kShrink = 0.8;            // search distance, from one iteration to the next
-constexpr double kFinalSearchVoxels = 4.0; // and where that ends
+constexpr double kShrink = 0.7;             // search distance, from one level to the next
+constexpr double kFinalSearchVoxels = 4.0;  // and where that ends
+constexpr double kLevelSettled = 0.05;      // a step below this share of the search distance ends a level
+constexpr int kLevelIterations = 10;        // and so do this many steps
+constexpr double kKernelOfSearch = 0.5;     // kernel scale at least this share of the search distance, until the last
+constexpr double kFinalKernelVoxels = 0.5;  // level, where it is at least this many voxels
 constexpr double kLeastAgreement = 0.6;    // cosine between normals of matched voxels
-constexpr double kSmallStep_m = 2e-4;
-constexpr double kSmallTurn_rad = 2e-5;
-constexpr double kCell_m = 1.0;            // residuals of one cell are one observation
+constexpr double kSmallStep_m = 1e-3;
+constexpr double kSmallTurn_rad = 1e-4;
+constexpr std::size_t kFewestResiduals = 40;
+constexpr std::size_t kAllPoints = 1U << 31;
 
 struct Kernel {
   double scale_m;
@@ -34,23 +40,38 @@ bool normals_agree(const Eigen::Vector3d& a, const Eigen::Vector3d& b, bool orie
   return (oriented ? cosine : std::abs(cosine)) >= kLeastAgreement;
 }
 
-std::vector<PlaneResidual> match_planes(const NearestVoxelSearch& source, const NearestVoxelSearch& target,
-                                        const Pose3& T_target_source, double search_m, std::size_t stride) {
-  const SurfaceVoxels& from = source.map().voxels();
-  const SurfaceVoxels& onto = target.map().voxels();
-  const bool oriented = source.map().has_free_space() && target.map().has_free_space();
-  const Eigen::Isometry3d T = T_target_source.isometry();
-  std::vector<PlaneResidual> residuals;
-  residuals.reserve(from.size() / stride + 1);
-  for (std::size_t i = 0; i < from.size(); i += stride) {
-    const Eigen::Vector3d point_m = T * from.centroids_m[i].cast<double>();
-    const std::optional<NearestVoxel> nearest = target.nearest(point_m, search_m);
+// Points of `from` against the planes of `onto`, in the frame of `onto`.
+void match_one_way(const NearestVoxelSearch& from, const NearestVoxelSearch& onto, const Pose3& T_onto_from,
+                   double search_m, std::size_t max_points, std::vector<PlaneResidual>& residuals) {
+  const SurfaceVoxels& points = from.map().voxels();
+  const SurfaceVoxels& planes = onto.map().voxels();
+  const bool oriented = from.map().has_free_space() && onto.map().has_free_space();
+  const std::size_t stride = std::max<std::size_t>(1, points.size() / max_points);
+  const Eigen::Isometry3d T = T_onto_from.isometry();
+  for (std::size_t i = 0; i < points.size(); i += stride) {
+    const Eigen::Vector3d point_m = T * points.centroids_m[i].cast<double>();
+    const std::optional<NearestVoxel> nearest = onto.nearest(point_m, search_m);
     if (!nearest) continue;
-    const Eigen::Vector3d normal = onto.normals[nearest->voxel].cast<double>();
+    const Eigen::Vector3d normal = planes.normals[nearest->voxel].cast<double>();
     if (normal.isZero()) continue;
-    if (!normals_agree(T.linear() * from.normals[i].cast<double>(), normal, oriented)) continue;
-    const double residual_m = normal.dot(point_m - onto.centroids_m[nearest->voxel].cast<double>());
-    residuals.push_back({point_m, normal, residual_m, static_cast<double>(onto.planarity[nearest->voxel])});
+    if (!normals_agree(T.linear() * points.normals[i].cast<double>(), normal, oriented)) continue;
+    const double residual_m = normal.dot(point_m - planes.centroids_m[nearest->voxel].cast<double>());
+    residuals.push_back({point_m, normal, residual_m, static_cast<double>(planes.planarity[nearest->voxel])});
+  }
+}
+
+// Both ways, so that it does not matter which of the two is called the source. A target point q lies off a source
+// plane by (R n) . (q - T c); moving the source moves that plane, hence the turned direction.
+std::vector<PlaneResidual> match_planes(const NearestVoxelSearch& source, const NearestVoxelSearch& target,
+                                        const Pose3& T_target_source, double search_m, std::size_t max_points) {
+  std::vector<PlaneResidual> residuals;
+  match_one_way(source, target, T_target_source, search_m, max_points, residuals);
+  const std::size_t forward = residuals.size();
+  match_one_way(target, source, T_target_source.inverse(), search_m, max_points, residuals);
+  const Eigen::Isometry3d T = T_target_source.isometry();
+  for (std::size_t i = forward; i < residuals.size(); ++i) {
+    residuals[i].point_m = T * residuals[i].point_m;
+    residuals[i].direction = -(T.linear() * residuals[i].direction);
   }
   return residuals;
 }
@@ -64,9 +85,11 @@ double median_absolute_m(const std::vector<PlaneResidual>& residuals) {
   return *middle;
 }
 
-// Robust weights on top of planarity; the scale follows the residuals' own spread.
-void apply_kernel(std::vector<PlaneResidual>& residuals, double resolution_m) {
-  const Kernel kernel{std::max(2.0 * 1.4826 * median_absolute_m(residuals), 0.25 * resolution_m)};
+// Robust weights on top of planarity. The scale follows the residuals' own spread but never falls below `least_m`:
+// where floor and ceiling are most of the scene they fit whatever the walls say, and a scale taken from them alone
+// would cut the walls off before they could pull.
+void apply_kernel(std::vector<PlaneResidual>& residuals, double least_m) {
+  const Kernel kernel{std::max(2.0 * 1.4826 * median_absolute_m(residuals), least_m)};
   for (PlaneResidual& r : residuals) r.weight *= kernel.weight(r.residual_m);
 }
 
@@ -84,21 +107,26 @@ RegistrationResult align_point_to_plane(const NearestVoxelSearch& source, const 
                                         const RegistrationPrior& prior) {
   RegistrationResult result;
   result.T_target_source = start;
-  const std::size_t voxels = source.map().voxels().size();
-  const std::size_t stride = std::max<std::size_t>(1, voxels / static_cast<std::size_t>(options.max_points));
+  const auto max_points = static_cast<std::size_t>(options.max_points);
+  // How many voxels one residual stands for: the gate counts voxels, of either submap.
+  const double per_residual = std::max(1.0, static_cast<double>(source.map().voxels().size()) / options.max_points);
   const double resolution_m = target.map().resolution_m();
   const auto enough = [&](std::size_t count) {
-    return count * stride >= static_cast<std::size_t>(options.min_matches) && count >= 20;
+    return 0.5 * static_cast<double>(count) * per_residual >= options.min_matches && count >= kFewestResiduals;
   };
   const double final_search_m = std::min(kFinalSearchVoxels * resolution_m, options.search_distance_m);
+  const double final_kernel_m = kFinalKernelVoxels * resolution_m;
   double search_m = options.search_distance_m;
   Pose3 T = start;
   bool settled = false;
+  int level_iterations = 0;
   while (!settled && result.iterations < options.max_iterations) {
     ++result.iterations;
-    std::vector<PlaneResidual> residuals = match_planes(source, target, T, search_m, stride);
+    ++level_iterations;
+    const bool last_level = search_m <= final_search_m;
+    std::vector<PlaneResidual> residuals = match_planes(source, target, T, search_m, max_points);
     if (!enough(residuals.size())) return result;
-    apply_kernel(residuals, resolution_m);
+    apply_kernel(residuals, last_level ? final_kernel_m : kKernelOfSearch * search_m);
     const NormalEquations equations = build_normal_equations(residuals);
     const ObservableSplit split = split_observable(equations);
     if (split.unobservable == 6) {
@@ -111,28 +139,24 @@ RegistrationResult align_point_to_plane(const NearestVoxelSearch& source, const 
       result.stop = StopReason::kOutOfRange;
       return result;
     }
-    const bool small = step.head<3>().norm() < kSmallStep_m && step.tail<3>().norm() < kSmallTurn_rad;
-    settled = small && search_m <= final_search_m;
-    search_m = std::max(search_m * kShrink, final_search_m);
+    settled = last_level && step.head<3>().norm() < kSmallStep_m && step.tail<3>().norm() < kSmallTurn_rad;
+    if (!last_level && (step.head<3>().norm() < kLevelSettled * search_m || level_iterations >= kLevelIterations)) {
+      search_m = std::max(search_m * kShrink, final_search_m);
+      level_iterations = 0;
+    }
   }
 
-  std::vector<PlaneResidual> residuals = match_planes(source, target, T, final_search_m, 1);
-  result.matches = residuals.size();
-  if (residuals.size() < static_cast<std::size_t>(options.min_matches)) return result;
-  apply_kernel(residuals, resolution_m);
+  std::vector<PlaneResidual> residuals = match_planes(source, target, T, final_search_m, kAllPoints);
+  result.matches = residuals.size() / 2;
+  if (result.matches < static_cast<std::size_t>(options.min_matches)) return result;
+  apply_kernel(residuals, final_kernel_m);
   const NormalEquations equations = build_normal_equations(residuals);
   const ObservableSplit split = split_observable(equations);
   result.stop = settled ? StopReason::kConverged : StopReason::kMaxIterations;
   result.T_target_source = T;
   result.residual_rms_m = std::sqrt(equations.squares_m2 / equations.weight);
-  result.centre_target_m = equations.centre_m;
   // Centroids of voxels sit within a tenth of a voxel of the surface they stand for.
-  const Matrix6 about_centre = cluster_covariance(residuals, equations, split, kCell_m, 0.05 * resolution_m,
-                                                  prior.translation_m, prior.rotation_rad);
-  result.covariance = covariance_in_source(about_centre, equations.centre_m, T);
-  for (int k = 0; k < split.unobservable; ++k) {
-    result.unobservable.emplace_back((equations.unscale * split.directions.col(k)).normalized());
-  }
+  describe_uncertainty(residuals, equations, split, 0.05 * resolution_m, prior, result);
   return result;
 }
 

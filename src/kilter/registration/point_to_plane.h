@@ -6,7 +6,8 @@
 
 namespace kilter {
 
-/// Gauss-Newton on r = n_t . (T p_s - c_t) with a Geman-McClure kernel whose scale follows the residuals, search
+/// Gauss-Newton on r = n_t . (T p_s - c_t), and the same with the roles exchanged (so that swapping source and target
+/// inverts the result), with a Geman-McClure kernel whose scale follows the residuals, search
 /// distance shrinking from search_distance_m to a few voxels, normals required to agree. Directions with too little
 /// information are left at the start ("solution remapping"). \sa align_submaps.
 [[nodiscard]] RegistrationResult align_point_to_plane(const NearestVoxelSearch& source,

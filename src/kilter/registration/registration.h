@@ -53,12 +53,18 @@ struct RegistrationResult {
   StopReason stop = StopReason::kTooFewMatches;
   Pose3 T_target_source;          ///< the start, if not converged
   int iterations = 0;
-  std::size_t matches = 0;        ///< correspondences at the end, of all source voxels
+  std::size_t matches = 0;        ///< correspondences at the end, of all voxels (mean of both ways)
   double residual_rms_m = 0.0;    ///< robust-weighted, at the end. [m]
   /// Row-major meaning: T_target_source * Exp(xi), xi = (x y z rx ry rz) in the source's frame. Directions that the
   /// scene does not fix hold the prior's variance.
   Matrix6 covariance = Matrix6::Zero();
   Eigen::Vector3d centre_target_m = Eigen::Vector3d::Zero();  ///< middle of the matched voxels, target frame
+  /// Mean of (p - centre)(p - centre)^T over the matched voxels, target axes. [m^2]
+  Eigen::Matrix3d scatter_m2 = Eigen::Matrix3d::Zero();
+  /// The same uncertainty as (v, w): p -> c + Exp(w) (p - c) + v about the centre, target axes; and the part of it
+  /// that was measured, zero along unobservable directions.
+  Matrix6 covariance_centre = Matrix6::Zero();
+  Matrix6 covariance_measured = Matrix6::Zero();
   /// Unit twists about `centre_target_m` along the target's axes that the scene does not fix.
   std::vector<Vector6> unobservable;
 

@@ -51,6 +51,17 @@ TEST(AlignSubmaps, PointToPlaneFindsTheTruthFromDriftedStarts) {
   }
 }
 
+// Floor and ceiling, most of the room, fit at every horizontal shift: only a few walls say where it belongs.
+TEST(AlignSubmaps, HorizontalShiftsAreNotHiddenByTheFloor) {
+  const TestPair pair = room_pair();
+  for (const auto& [x, y] : {std::pair(0.25, 0.0), std::pair(0.0, 0.25), std::pair(0.5, 0.0), std::pair(-0.4, 0.3)}) {
+    const RegistrationResult result =
+        run(pair, pose_at(x, y, 0.0, 0.0) * pair.T_target_source, RegistrationMethod::kPointToPlane);
+    ASSERT_TRUE(result.converged()) << to_string(result.stop);
+    EXPECT_LT((pair.T_target_source.inverse() * result.T_target_source).translation_m().norm(), 0.02) << x << " " << y;
+  }
+}
+
 TEST(AlignSubmaps, CovarianceCoversTheErrorButIsNotVast) {
   const TestPair pair = room_pair();
   const RegistrationResult result = run(pair, pair.T_target_source, RegistrationMethod::kPointToPlane);
@@ -89,6 +100,17 @@ TEST(AlignSubmaps, FailuresSayWhy) {
       run(pair, pose_at(60.0, 0.0, 0.0, 0.0) * pair.T_target_source, RegistrationMethod::kPointToPlane);
   EXPECT_EQ(far.stop, StopReason::kTooFewMatches);
   EXPECT_EQ(run(pair, pose_at(60.0, 0.0, 0.0, 0.0), RegistrationMethod::kOicp).stop, StopReason::kTooFewMatches);
+}
+
+TEST(AlignSubmaps, SwappingTheRolesInvertsTheResult) {
+  const TestPair pair = room_pair();
+  const TestPair swapped{pair.source, pair.target, pair.T_target_source.inverse()};
+  const Pose3 start = pose_at(0.15, -0.1, 0.05, 0.02) * pair.T_target_source;
+  const RegistrationResult forward = run(pair, start, RegistrationMethod::kPointToPlane);
+  const RegistrationResult backward = run(swapped, start.inverse(), RegistrationMethod::kPointToPlane);
+  const Pose3 round_trip = forward.T_target_source * backward.T_target_source;
+  EXPECT_LT(round_trip.translation_m().norm(), 0.003);
+  EXPECT_LT(round_trip.angle_rad(), 0.0005);
 }
 
 TEST(AlignSubmaps, GivesTheSameBitsEachTime) {

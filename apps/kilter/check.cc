@@ -1,0 +1,226 @@
+// SPDX-FileCopyrightText: The kilter authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <ctime>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <CLI/App.hpp>
+#include <CLI/Config.hpp>
+#include <CLI/Formatter.hpp>
+#include <fmt/format.h>
+#include <sys/resource.h>
+
+#include "apps/kilter/commands.h"
+#include "apps/kilter/common_options.h"
+#include "apps/kilter/exit_status.h"
+#include "apps/kilter/output_folder.h"
+#include "apps/kilter/signals.h"
+#include "apps/kilter/terminal.h"
+#include "kilter/io/cuts.h"
+#include "kilter/io/file.h"
+#include "kilter/io/mission.h"
+#include "kilter/pipeline/check.h"
+#include "kilter/report/constraints_g2o.h"
+#include "kilter/report/map_ply.h"
+#include "kilter/report/matrix_csv.h"
+#include "kilter/report/pairs_csv.h"
+#include "kilter/report/result_json.h"
+#include "kilter/report/summary.h"
+
+namespace kilter::app {
+namespace {
+
+struct CheckCommand {
+  CommonOptions common;
+  std::vector<std::string> sources;
+  std::string output_folder = "kilter-out";
+  std::optional<std::string> poses_folder;
+  std::optional<std::string> cuts;
+  std::string preset;
+  bool maps = false;
+  FailOn fail_on = FailOn::kUndetermined;
+};
+
+// What is to be checked, read and found fit before any work begins.
+struct Job {
+  Settings settings;
+  Mission mission;
+  Cuts cuts;
+  std::size_t memory_bytes = 0;
+};
+
+Expected<void> check_map_names(const CheckCommand& command, const Mission& mission) {
+  for (const RobotLog& robot : mission.robots) {
+    if (command.maps && robot.name == "global") {
+      return fail(ErrorCode::kUsage, "--maps writes maps/global.ply for all robots, and a robot is called global", {},
+                  "name that robot otherwise: NAME=PATH");
+    }
+  }
+  return {};
+}
+
+Expected<Job> open_job(const CheckCommand& command) {
+  Job job;
+  const Expected<std::size_t> memory = parse_memory(command.common.memory);
+  if (!memory) return pass_up(memory.error());
+  job.memory_bytes = *memory;
+  Expected<Settings> settings = read_settings(command.common, command.preset == "seed");
+  if (!settings) return pass_up(settings.error());
+  job.settings = *std::move(settings);
+  MissionOptions options;
+  options.T_body_sensor = job.settings.T_body_sensor;
+  if (command.poses_folder) options.poses_folder = *command.poses_folder;
+  Expected<Mission> mission = open_mission(command.sources, options);
+  if (!mission) return pass_up(mission.error());
+  job.mission = *std::move(mission);
+  if (auto fit = check_map_names(command, job.mission); !fit) return pass_up(fit.error());
+  if (command.cuts) {
+    Expected<Cuts> cuts = read_cuts(*command.cuts);
+    if (!cuts) return pass_up(cuts.error());
+    job.cuts = *std::move(cuts);
+  }
+  return job;
+}
+
+Expected<Result> run_job(const CheckCommand& command, const Job& job) {
+  Progress progress(command.common.progress_style());
+  CheckRun run;
+  run.threads = command.common.jobs;
+  run.cancelled = &stop_flag();
+  run.memory_bytes = job.memory_bytes;
+  run.fuse_maps = command.maps;
+  run.progress = [&progress](std::string_view stage, std::size_t done, std::size_t total) {
+    progress.update(stage, done, total);
+  };
+  return check(job.mission.robots, job.settings.check, job.cuts, run);
+}
+
+ConfigEcho config_echo(Job& job) {
+  ConfigEcho config;
+  config.options = fields(job.settings.check);
+  for (const RobotLog& robot : job.mission.robots) {
+    for (const std::string& key : {robot.name, std::string()}) {
+      const auto found = job.settings.T_body_sensor.find(key);
+      if (found == job.settings.T_body_sensor.end()) continue;
+      config.T_body_sensor[robot.name] = found->second;
+      break;
+    }
+  }
+  return config;
+}
+
+std::string date_now() {
+  const std::time_t now = std::time(nullptr);
+  std::tm utc{};
+  gmtime_r(&now, &utc);
+  char text[32];
+  return {text, std::strftime(text, sizeof(text), "%Y-%m-%dT%H:%M:%SZ", &utc)};
+}
+
+RunInfo run_info(const CheckCommand& command) {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  constexpr std::size_t kLinuxUnit = 1024;  // ru_maxrss
+  return {command.sources,
+          command.poses_folder,
+          command.cuts,
+          command.common.jobs,
+          static_cast<std::size_t>(usage.ru_maxrss) * kLinuxUnit,
+          date_now()};
+}
+
+std::vector<OutputFile> output_files(const Result& result, const std::string& json) {
+  std::vector<OutputFile> files = {
+      {"pairs.csv", pairs_csv(result)},
+      {"gamma.csv", matrix_csv(result, gamma_matrix(result).entries())},
+      {"theta.csv", matrix_csv(result, theta_matrix(result).entries())},
+      {"verified.csv", matrix_csv(result, verified_matrix(result).entries())},
+      {"constraints.g2o", constraints_g2o(result)},
+  };
+  for (const FusedMap& map : result.maps) {
+    files.push_back({std::filesystem::path("maps") / (map.name + ".ply"), map_ply(map, result.robots)});
+  }
+  files.push_back({"result.json", json});  // last: who finds a new one finds the rest new as well
+  return files;
+}
+
+// What is no error, but a person should know.
+void print_notes(const CheckCommand& command, const Result& result) {
+  if (command.common.quiet) return;
+  std::map<std::string, std::size_t> dropped;
+  for (const SubmapSummary& submap : result.submaps) {
+    dropped[submap.robot] += submap.dropped_points;
+    if (submap.occupied == 0) print_note(fmt::format("submap {} holds no surface at all", printable(submap.name)));
+  }
+  for (const auto& [robot, points] : dropped) {
+    if (points == 0) continue;
+    print_note(fmt::format("robot {}: {} points were left out, being not finite or too far away", robot, points));
+  }
+  std::error_code error;
+  const std::filesystem::path maps = std::filesystem::path(command.output_folder) / "maps";
+  if (command.maps || !std::filesystem::exists(maps, error)) return;
+  print_note(shown(maps) + " is from an earlier run; --maps makes it anew");
+}
+
+Expected<void> present(const CheckCommand& command, const Job& job, const Result& result, const std::string& json) {
+  if (command.common.json) return print_out(json);
+  SummaryOptions options;
+  options.tolerance_m = job.settings.check.judge.tolerance_m;
+  options.colour = wants_colour(command.common.no_color);
+  options.output_folder = command.output_folder;
+  return print_out(summary(result, options));
+}
+
+int refuse_output(const Error& error) {
+  print_error(error);
+  return exit_status_of_output(error.code);
+}
+
+int run_check(const CheckCommand& command) {
+  Expected<Job> job = open_job(command);
+  if (!job) return print_error(job.error());
+  if (auto fit = probe_output_folder(command.output_folder); !fit) return refuse_output(fit.error());
+  if (!command.common.quiet) {
+    for (const std::string& note : job->mission.notes) print_note(note);
+  }
+  catch_stop_signals();
+  const Expected<Result> result = run_job(command, *job);
+  if (!result) return print_error(result.error());
+  if (stop_flag()) return print_error({ErrorCode::kCancelled, "stopped on request; nothing was written", {}, {}});
+  const std::string json = result_json(*result, config_echo(*job), run_info(command));
+  print_notes(command, *result);
+  if (auto done = write_output_folder(command.output_folder, output_files(*result, json)); !done) {
+    return refuse_output(done.error());
+  }
+  if (auto done = present(command, *job, *result, json); !done) return refuse_output(done.error());
+  return exit_status(result->system.state, command.fail_on);
+}
+
+}  // namespace
+
+void add_check_command(CLI::App& program, int& status) {
+  const auto command = std::make_shared<CheckCommand>();
+  CLI::App* app = program.add_subcommand("check", "find where a map disagrees with itself");
+  app->add_option("SOURCE", command->sources, "a mission's folder, a robot's folder, or NAME=PATH")->required();
+  app->add_option("-o,--output", command->output_folder, "folder for the results")->option_text("OUT (kilter-out)");
+  app->add_option("--poses", command->poses_folder, "take DIR/ROBOT/poses.* instead of each robot's own poses")
+      ->option_text("DIR");
+  app->add_option("--cuts", command->cuts, "cut submaps at the same scans as this result, so that two compare")
+      ->option_text("RESULT");
+  app->add_option("--preset", command->preset, "start from the paper's method and nothing else")
+      ->option_text("seed")
+      ->check(CLI::IsMember({"seed"}));
+  app->add_flag("--maps", command->maps, "also write each robot's fused map and the global one");
+  const std::map<std::string, FailOn> names = {
+      {"inconsistent", FailOn::kInconsistent}, {"undetermined", FailOn::kUndetermined}, {"never", FailOn::kNever}};
+  app->add_option("--fail-on", command->fail_on, "which verdicts give a status other than 0")
+      ->option_text("inconsistent|undetermined|never (undetermined: both)")
+      ->transform(CLI::CheckedTransformer(names).description(""));
+  add_common_options(*app, command->common);
+  app->callback([command, &status] { status = run_check(*command); });
+}
+
+}  // namespace kilter::app

@@ -1,0 +1,89 @@
+// SPDX-FileCopyrightText: The kilter authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "apps/kilter/settings.h"
+
+#include <fmt/format.h>
+
+#define TOML_EXCEPTIONS 0
+#define TOML_ENABLE_FORMATTERS 0
+#include <toml++/toml.h>
+
+#include "kilter/io/file.h"
+
+namespace kilter::app {
+namespace {
+
+constexpr std::uint64_t kMaxConfigBytes = 1 << 20;
+
+Expected<Pose3> pose_from_node(const toml::node& node) {
+  if (const auto* text = node.as_string()) return parse_pose(text->get());
+  const toml::array* list = node.as_array();
+  if (list == nullptr) {
+    return fail(ErrorCode::kConfig, fmt::format("{}: expected a list of seven numbers or a text", kSensorKey));
+  }
+  std::vector<double> numbers;
+  for (const toml::node& item : *list) {
+    const std::optional<double> number = item.value<double>();
+    if (!number || !item.is_number()) {
+      return fail(ErrorCode::kConfig, fmt::format("{}: expected numbers only in the list", kSensorKey));
+    }
+    numbers.push_back(*number);
+  }
+  return pose_from_numbers(numbers);
+}
+
+Expected<void> set_sensor(Settings& settings, const std::string& robot, const toml::node& node) {
+  const Expected<Pose3> pose = pose_from_node(node);
+  if (!pose) return pass_up(pose.error());
+  settings.T_body_sensor[robot] = *pose;
+  return {};
+}
+
+Expected<void> set_from_node(Settings& settings, std::string_view key, const toml::node& node) {
+  const Expected<OptionField> option = find_option(settings, key);
+  if (!option) return pass_up(option.error());
+  if (const auto* text = node.as_string()) return option->assign(text->get());
+  if (const auto* flag = node.as_boolean()) return option->assign(flag->get() ? "true" : "false");
+  if (const auto* whole = node.as_integer()) return option->assign_number(static_cast<double>(whole->get()));
+  if (const auto* real = node.as_floating_point()) return option->assign_number(real->get());
+  return fail(ErrorCode::kConfig, fmt::format("{}: expected a number, a text or true or false", option->name));
+}
+
+std::string place(const std::string& file, const toml::source_region& source) {
+  return fmt::format("{}:{}", file, source.begin.line);
+}
+
+Expected<void> located(Expected<void> done, const std::string& file, const toml::node& node) {
+  if (!done) done.error().where = place(file, node.source());
+  return done;
+}
+
+}  // namespace
+
+Expected<void> apply_config_file(const std::filesystem::path& file, Settings& settings) {
+  const Expected<ByteBuffer> bytes = read_file(file, kMaxConfigBytes);
+  // A configuration that cannot be read is the command line's mistake, not the mission's.
+  if (!bytes) return fail(ErrorCode::kConfig, bytes.error().message, bytes.error().where);
+  const std::string name = shown(file);
+  const toml::parse_result parsed = toml::parse(bytes->view());
+  if (!parsed) {
+    return fail(ErrorCode::kConfig, printable(parsed.error().description()), place(name, parsed.error().source()));
+  }
+  for (const auto& [key, node] : parsed.table()) {
+    if (key.str() != kSensorKey) {
+      if (auto done = located(set_from_node(settings, key.str(), node), name, node); !done) return done;
+      continue;
+    }
+    const toml::table* by_robot = node.as_table();
+    if (by_robot == nullptr) {
+      if (auto done = located(set_sensor(settings, "", node), name, node); !done) return done;
+      continue;
+    }
+    for (const auto& [robot, pose] : *by_robot) {
+      if (auto done = located(set_sensor(settings, std::string(robot.str()), pose), name, pose); !done) return done;
+    }
+  }
+  return {};
+}
+
+}  // namespace kilter::app

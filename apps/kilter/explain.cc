@@ -1,0 +1,138 @@
+// SPDX-FileCopyrightText: The kilter authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <array>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <CLI/App.hpp>
+#include <CLI/Config.hpp>
+#include <CLI/Formatter.hpp>
+#include <fmt/format.h>
+
+#include "apps/kilter/commands.h"
+#include "apps/kilter/common_options.h"
+#include "apps/kilter/exit_status.h"
+#include "apps/kilter/terminal.h"
+#include "kilter/base/error_catalog.h"
+#include "kilter/report/json_writer.h"
+#include "kilter/report/text_lines.h"
+
+namespace kilter::app {
+namespace {
+
+struct ExplainCommand {
+  CommonOptions common;
+  std::string code;
+};
+
+struct Topic {
+  std::string_view name;
+  std::string_view explanation;
+};
+
+// Words of the summary and of result.json that are findings, not errors.
+constexpr std::array kFindings = {
+    Topic{
+        "consistent",
+        "Of a pair: a disagreement below `tolerance` is established, in every direction in which it could matter; not "
+        "merely that none was found. Of the map: no pair is inconsistent, and enough of what overlaps was decided "
+        "(`min_decided`) for each kind of pair and each two robots. Exit status 0."},
+    Topic{"inconsistent",
+          "Of a pair: over the places that both submaps really saw, the map puts the same place farther apart than "
+          "`tolerance`, with false discoveries held to `alpha` over the whole map. Of the map: at least one pair is. "
+          "Exit status 1."},
+    Topic{
+        "unverified",
+        "Neither consistent nor inconsistent is established for a pair; its `reason` says why: too little overlap, a "
+        "registration that failed or is ambiguous, a direction that nothing in the scene fixes, places that changed."},
+    Topic{
+        "undetermined",
+        "No pair is inconsistent, but too little of what overlaps was decided to call the map consistent: robots that "
+        "never meet, or too many unverified pairs (`min_decided`). Exit status 4."},
+    Topic{
+        "certificate",
+        "`certificate_m`: the smallest X for which \"consistent to X m at 95 %\" can be said of the map. The pairs in "
+        "`certificate_excludes` overlap too, but nothing can be said about them."},
+    Topic{
+        "offset",
+        "`offset_m`: how far apart the map puts the same place, RMS over the overlap, with its 95 % interval, "
+        "registered pose against the map's. Reported whatever the verdict. `offset_vector` is the displacement at the "
+        "overlap's centre along the target's axes."},
+    Topic{"gap", "`gap_m`: the distance between the two copies of surfaces that the map holds twice (double walls)."},
+    Topic{
+        "unobservable",
+        "Directions, as unit twists about the overlap's centre, that nothing in the scene fixes: sliding along a "
+        "corridor, turning in a round room. A disagreement along them cannot be seen, so the pair is not consistent."},
+    Topic{
+        "p-inconsistent",
+        "`p_inconsistent`: the probability that a pair's disagreement exceeds the tolerance, from all evidence and the "
+        "prior `prior_inconsistent`. Over many pairs said 0.8, eight in ten exceed it. `log_odds` is the same without "
+        "saturating."},
+    Topic{"gamma",
+          "The paper's Eq. (15): 1 / (mean x variance) of the distances between matched voxels, at the map's poses. "
+          "Large means consistent. `gamma_literal` is without floors. A parallel offset can score as well as a good "
+          "pair, so it is never a verdict by itself."},
+    Topic{"theta", "Gamma after the pair was registered: as good as it gets for these two submaps."},
+    Topic{"verified", "The paper's Theta - Gamma: what registration gained. Large means inconsistent."},
+};
+
+std::vector<Topic> topics() {
+  std::vector<Topic> all;
+  for (const CatalogEntry& entry : error_catalog()) all.push_back({entry.name, entry.explanation});
+  all.insert(all.end(), kFindings.begin(), kFindings.end());
+  return all;
+}
+
+// The topics asked for: one, or all when none is named.
+Expected<std::vector<Topic>> chosen(const std::string& code) {
+  std::vector<Topic> all = topics();
+  if (code.empty()) return all;
+  std::vector<std::string> names;
+  for (const Topic& topic : all) {
+    if (topic.name == code) return std::vector<Topic>{topic};
+    names.emplace_back(topic.name);
+  }
+  const std::string nearest = nearest_name(code, names);
+  return fail(ErrorCode::kUsage, fmt::format("there is no code \"{}\"", printable(code, 80)), {},
+              nearest.empty() ? "kilter explain lists all" : "kilter explain " + nearest);
+}
+
+std::string as_json(const std::vector<Topic>& topics) {
+  JsonWriter json;
+  json.open_object();
+  for (const Topic& topic : topics) json.field(topic.name, topic.explanation);
+  return json.close().take();
+}
+
+std::string as_text(const std::vector<Topic>& topics) {
+  std::string text;
+  for (const Topic& topic : topics) {
+    text += fmt::format("{}\n", topic.name);
+    for (const std::string& line : wrapped("  " + std::string(topic.explanation), 100, 2, 20)) text += line + '\n';
+  }
+  return text;
+}
+
+int explain(const ExplainCommand& command) {
+  const Expected<std::vector<Topic>> topics = chosen(command.code);
+  if (!topics) return print_error(topics.error());
+  const Expected<void> done = print_out(command.common.json ? as_json(*topics) : as_text(*topics));
+  if (done) return kExitGood;
+  print_error(done.error());
+  return exit_status_of_output(done.error().code);
+}
+
+}  // namespace
+
+void add_explain_command(CLI::App& program, int& status) {
+  const auto command = std::make_shared<ExplainCommand>();
+  CLI::App* app =
+      program.add_subcommand("explain", "what an error or a finding means and what to do; all without CODE");
+  app->add_option("CODE", command->code, "the first word of a message, or a word of the result");
+  add_common_options(*app, command->common);
+  app->callback([command, &status] { status = explain(*command); });
+}
+
+}  // namespace kilter::app

@@ -1,0 +1,119 @@
+// SPDX-FileCopyrightText: The kilter authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <csignal>
+#include <exception>
+#include <new>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <CLI/App.hpp>
+#include <CLI/Config.hpp>
+#include <CLI/Formatter.hpp>
+#include <fmt/format.h>
+
+#include "apps/kilter/commands.h"
+#include "apps/kilter/exit_status.h"
+#include "apps/kilter/terminal.h"
+#include "kilter/base/option_table.h"
+#include "kilter/base/version.h"
+
+namespace kilter::app {
+namespace {
+
+constexpr const char* kExamples = R"(Examples:
+  kilter check mission               where does this map disagree with itself?
+  kilter check mission -o result     the same, results into the folder `result`
+  kilter check a=run1 b=run2         robots named one by one
+  kilter info mission                what is in there?
+  kilter config show                 every key, its unit, range and meaning
+
+Exit status of check: 0 consistent, 1 inconsistent, 4 undetermined;
+of all commands: 2 usage or configuration, 3 unusable input, 5 memory, disk or internal.)";
+
+// A first word that is no command: better than CLI11's own message, it knows what was meant.
+std::optional<Error> find_unknown_command(const CLI::App& program, int argc, char** argv) {
+  if (argc < 2) {
+    return Error{ErrorCode::kUsage, "expected a command", {}, "kilter --help"};
+  }
+  const std::string word = argv[1];
+  if (word.starts_with("-")) return std::nullopt;
+  std::vector<std::string> names;
+  for (const CLI::App* command : program.get_subcommands(nullptr)) {
+    if (command->get_name() == word) return std::nullopt;
+    names.push_back(command->get_name());
+  }
+  const std::string nearest = nearest_name(word, names);
+  return Error{ErrorCode::kUsage,
+               fmt::format("there is no command \"{}\"", printable(word, 80)),
+               {},
+               nearest.empty() ? "kilter --help" : "kilter " + nearest};
+}
+
+// The innermost command that was called, as it is typed: "kilter config show".
+std::pair<const CLI::App*, std::string> called_command(const CLI::App& program) {
+  const CLI::App* command = &program;
+  std::string words = program.get_name();
+  while (!command->get_subcommands().empty()) {
+    command = command->get_subcommands().front();
+    words += ' ' + command->get_name();
+  }
+  return {command, words};
+}
+
+int refuse_command_line(const CLI::App& program, const CLI::ParseError& error) {
+  const auto [command, words] = called_command(program);
+  const std::vector<std::string> unread = program.remaining(true);
+  if (dynamic_cast<const CLI::ExtrasError*>(&error) == nullptr || unread.empty()) {
+    return print_error({ErrorCode::kUsage, printable(error.what(), 400), {}, words + " --help"});
+  }
+  std::vector<std::string> names;
+  for (const CLI::Option* option : command->get_options()) names.push_back(option->get_name());
+  const std::string nearest = nearest_name(unread.front(), names);
+  return print_error({ErrorCode::kUsage,
+                      fmt::format("{} does not take \"{}\"", words, printable(unread.front(), 80)),
+                      {},
+                      nearest.starts_with('-') ? nearest : words + " --help"});
+}
+
+int run(int argc, char** argv) {
+  CLI::App program("kilter finds where a 3-D lidar map built by several robots does not agree with itself.", "kilter");
+  program.set_version_flag("--version", "kilter " + std::string(kVersion), "print the version");
+  program.get_help_ptr()->description("print this help");
+  program.footer(kExamples);
+  program.require_subcommand(1);
+  int status = kExitGood;
+  add_check_command(program, status);
+  add_info_command(program, status);
+  add_config_command(program, status);
+  add_explain_command(program, status);
+  if (const std::optional<Error> error = find_unknown_command(program, argc, argv)) return print_error(*error);
+  try {
+    program.parse(argc, argv);
+  } catch (const CLI::Success& wanted) {
+    return program.exit(wanted);  // --help, --version
+  } catch (const CLI::ParseError& error) {
+    return refuse_command_line(program, error);
+  }
+  return status;
+}
+
+}  // namespace
+}  // namespace kilter::app
+
+int main(int argc, char** argv) {
+  using kilter::ErrorCode;
+  // A file that may not grow any further is an error to tell of, not a reason to die.
+  std::signal(SIGXFSZ, SIG_IGN);
+  try {
+    return kilter::app::run(argc, argv);
+  } catch (const std::bad_alloc&) {
+    return kilter::app::print_error({ErrorCode::kOutOfMemory,
+                                     "no more memory is to be had",
+                                     {},
+                                     "a coarser `resolution`, a smaller `max_range`, or fewer --jobs"});
+  } catch (const std::exception& error) {
+    return kilter::app::print_error({ErrorCode::kInternal, error.what(), {}, {}});
+  }
+}

@@ -1,0 +1,42 @@
+// SPDX-FileCopyrightText: The kilter authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "apps/kilter/signals.h"
+
+#include <csignal>
+
+#include <signal.h>
+
+namespace kilter::app {
+namespace {
+
+std::atomic<bool> stop{false};
+std::atomic<int> signal_number{0};
+static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<int>::is_always_lock_free,
+              "a signal handler may touch nothing else");
+
+void remember(int number) {
+  signal_number.store(number);
+  stop.store(true);
+}
+
+}  // namespace
+
+void catch_stop_signals() {
+  struct sigaction action {};
+  action.sa_handler = remember;
+  // Back to the default after the first, so that a second Ctrl-C is not swallowed.
+  action.sa_flags = SA_RESTART | static_cast<int>(SA_RESETHAND);
+  sigemptyset(&action.sa_mask);
+  for (const int number : {SIGINT, SIGTERM}) {
+    struct sigaction before {};
+    // Who starts us in the background with `&` has asked for SIGINT to be ignored.
+    if (sigaction(number, nullptr, &before) == 0 && before.sa_handler == SIG_IGN) continue;
+    sigaction(number, &action, nullptr);
+  }
+}
+
+const std::atomic<bool>& stop_flag() { return stop; }
+
+int caught_signal() { return signal_number.load(); }
+
+}  // namespace kilter::app

@@ -1,0 +1,87 @@
+#!/usr/bin/env python3
+# SPDX-FileCopyrightText: The kilter authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""Writes the fuzzers' seeds: small valid files of every variant, under corpus/ beside this script.
+
+The seeds are committed; run this after adding a variant. Same bytes every time.
+"""
+import pathlib
+import struct
+
+CORPUS = pathlib.Path(__file__).resolve().parent / "corpus"
+XYZ = [(1.0, 2.0, 3.0), (-4.5, 5.0, 6.25)]
+
+
+def write(name, data):
+    path = CORPUS / name
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_bytes(data if isinstance(data, bytes) else data.encode())
+
+
+def pcd(data, body, fields="x y z", size="4 4 4", kind="F F F", count="1 1 1", points=2):
+    head = (f"# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\nFIELDS {fields}\nSIZE {size}\nTYPE {kind}\n"
+            f"COUNT {count}\nWIDTH {points}\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS {points}\nDATA {data}\n")
+    return head.encode() + body
+
+
+def lzf_literals(raw):
+    """LZF without any back reference: runs of at most 32 bytes behind their length less one."""
+    runs = [raw[i:i + 32] for i in range(0, len(raw), 32)]
+    return b"".join(bytes([len(run) - 1]) + run for run in runs)
+
+
+def compressed(raw):
+    packed = lzf_literals(raw)
+    return struct.pack("<II", len(packed), len(raw)) + packed
+
+
+def ply(form, body, before="", after="", kind="float"):
+    head = (f"ply\nformat {form} 1.0\ncomment seed\n{before}element vertex 2\n"
+            f"property {kind} x\nproperty {kind} y\nproperty {kind} z\n{after}end_header\n")
+    return head.encode() + body
+
+
+def main():
+    text = b"".join(b"%g %g %g\n" % p for p in XYZ)
+    little = b"".join(struct.pack("<3f", *p) for p in XYZ)
+    big = b"".join(struct.pack(">3f", *p) for p in XYZ)
+    columns = struct.pack("<6f", *(p[axis] for axis in range(3) for p in XYZ))
+    # 4 zeros, then 20 copied from one byte back: a block of two points at the origin.
+    back_reference = struct.pack("<II", 8, 24) + bytes([3, 0, 0, 0, 0, (7 << 5) | 0, 11, 0])
+
+    write("pcd/ascii", pcd("ascii", text))
+    write("pcd/binary", pcd("binary", little))
+    write("pcd/compressed", pcd("binary_compressed", compressed(columns)))
+    write("pcd/back_reference", pcd("binary_compressed", back_reference))
+    ring = b"".join(struct.pack("<4fH", *p, 0.5, 7) for p in XYZ)
+    write("pcd/unaligned", pcd("binary", ring, "x y z intensity ring", "4 4 4 4 2", "F F F F U", "1 1 1 1 1"))
+    double = b"".join(struct.pack("<3dBB", *p, 0, 0) for p in XYZ)
+    write("pcd/double_padded", pcd("binary", double, "x y z _", "8 8 8 1", "F F F U", "1 1 1 2"))
+    write("pcd/empty", pcd("binary", b"", points=0))
+    write("pcd/no_count", pcd("ascii", text).replace(b"COUNT 1 1 1\n", b""))
+    write("pcd/nan", pcd("ascii", b"nan nan nan\n1e400 1e30 0\n"))
+
+    faces = "element face 1\nproperty list uchar int vertex_indices\n"
+    face = struct.pack("<B2i", 2, 0, 1)
+    write("ply/ascii", ply("ascii", text))
+    write("ply/ascii_lists", ply("ascii", b"2 0 1\n" + text, before=faces))
+    write("ply/little", ply("binary_little_endian", little))
+    write("ply/little_lists", ply("binary_little_endian", face + little, before=faces))
+    write("ply/big", ply("binary_big_endian", big))
+    rows = b"".join(struct.pack("<3dHB", *p, 1, 9) for p in XYZ)
+    write("ply/vertex_lists", ply("binary_little_endian", rows, after="property list ushort uchar l\n", kind="double"))
+
+    write("bin/two_points", b"".join(struct.pack("<4f", *p, 0.5) for p in XYZ))
+    write("bin/not_finite", struct.pack("<4f", float("nan"), float("inf"), 1e30, 0.0))
+
+    write("poses/tum", "# t x y z qx qy qz qw\n0 1 2 3 0 0 0 1\n1.5 1 2 3 0 0 0.7071068 0.7071068\n")
+    write("poses/kitti", "1 0 0 1 0 1 0 2 0 0 1 3\n0 -1 0 1e1 1 0 0 +2 0 0 1 3\n")
+    write("poses/csv", "\ufeff0, 1, 2, 3, 0, 0, 0, 1\r\n")
+
+    write("cuts/two", '{"schema":"kilter.result/1","submaps":[{"robot":"a","first_scan":0,"last_scan":3},'
+                      '{"robot":"a","first_scan":4,"last_scan":5}],"pairs":[{"target":"a/1"}]}')
+    write("cuts/finished", '{"schema":"kilter.result/1","submaps":[{"robot":"a","first_scan":null,"last_scan":null}]}')
+
+
+if __name__ == "__main__":
+    main()

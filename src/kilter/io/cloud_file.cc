@@ -1,0 +1,50 @@
+// SPDX-FileCopyrightText: The kilter authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "kilter/io/cloud_file.h"
+
+#include "kilter/io/bin_reader.h"
+#include "kilter/io/file.h"
+#include "kilter/io/pcd_reader.h"
+#include "kilter/io/ply_reader.h"
+
+namespace kilter {
+namespace {
+
+// ASCII only, whatever the locale.
+std::string lower_case(std::string_view text) {
+  std::string lower(text);
+  for (char& c : lower) {
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  }
+  return lower;
+}
+
+}  // namespace
+
+std::optional<CloudFormat> cloud_format_of(std::string_view file_name) {
+  const std::size_t dot = file_name.rfind('.');
+  if (dot == std::string_view::npos || dot == 0) return std::nullopt;
+  const std::string extension = lower_case(file_name.substr(dot));
+  if (extension == ".bin") return CloudFormat::kBin;
+  if (extension == ".pcd") return CloudFormat::kPcd;
+  if (extension == ".ply") return CloudFormat::kPly;
+  return std::nullopt;
+}
+
+Expected<PointCloud> read_cloud_file(const std::filesystem::path& path) {
+  const std::optional<CloudFormat> format = cloud_format_of(path.filename().native());
+  if (!format) return fail(ErrorCode::kUnsupported, "expected a .bin, .pcd or .ply file", shown(path));
+  const Expected<ByteBuffer> bytes = read_file(path);
+  if (!bytes) return pass_up(bytes.error());
+  switch (*format) {
+    case CloudFormat::kBin:
+      return read_bin(bytes->view(), shown(path));
+    case CloudFormat::kPcd:
+      return read_pcd(bytes->view(), shown(path));
+    case CloudFormat::kPly:
+      return read_ply(bytes->view(), shown(path));
+  }
+  return PointCloud{};
+}
+
+}  // namespace kilter

@@ -1,0 +1,130 @@
+// SPDX-FileCopyrightText: The kilter authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "kilter/io/cuts.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <cstdint>
+#include <system_error>
+
+#include "kilter/io/file.h"
+
+namespace kilter {
+namespace {
+
+using nlohmann::json;
+
+// Submaps lie in a list in the root, their poses one deeper.
+constexpr int kMaxDepth = 32;
+
+// Keeps `last + 1` from wrapping; a robot that scans at 10 Hz would take three years.
+constexpr std::uint64_t kMaxScan = 1'000'000'000;
+
+// Builds only the keys of interest, so that the thousands of pairs in a large result cost no memory.
+Expected<json> parse_root(std::string_view text, const std::string& where) {
+  bool too_deep = false;
+  const auto keep = [&](int depth, json::parse_event_t event, json& value) {
+    if (depth > kMaxDepth) {
+      too_deep = true;
+      return false;
+    }
+    const bool root_key = depth == 1 && event == json::parse_event_t::key;
+    return !root_key || value == "schema" || value == "submaps";
+  };
+  try {
+    json root = json::parse(text.begin(), text.end(), keep);
+    if (!too_deep) return root;
+    return fail(ErrorCode::kParse, fmt::format("the JSON is nested more than {} deep", kMaxDepth), where);
+  } catch (const json::exception& e) {
+    // Its text tells position and token; what it quotes from the file is made safe.
+    return fail(ErrorCode::kParse, fmt::format("not valid JSON: {}", printable(e.what(), 300)), where);
+  }
+}
+
+const json* find(const json& object, const char* key) {
+  if (!object.is_object()) return nullptr;
+  const auto found = object.find(key);
+  return found == object.end() ? nullptr : &*found;
+}
+
+Expected<void> check_schema(const json& root, const std::string& where) {
+  const json* schema = find(root, "schema");
+  if (schema == nullptr || !schema->is_string()) {
+    return fail(ErrorCode::kParse, "expected a key \"schema\": this is no result of kilter", where,
+                "--cuts takes the output folder of `kilter check`, or its result.json");
+  }
+  if (*schema == "kilter.result/1") return {};
+  return fail(
+      ErrorCode::kUnsupported,
+      fmt::format("schema \"{}\"; kilter.result/1 is read", printable(schema->get_ref<const std::string&>(), 60)),
+      where);
+}
+
+// first_scan or last_scan.
+Expected<std::size_t> scan_number(const json& submap, const char* key, const std::string& where) {
+  const json* value = find(submap, key);
+  if (value != nullptr && value->is_null()) {
+    return fail(ErrorCode::kUnsupported, fmt::format("{} is null: finished submaps have no scans to cut at", key),
+                where);
+  }
+  if (value == nullptr || !value->is_number_unsigned() || value->get<std::uint64_t>() > kMaxScan) {
+    return fail(ErrorCode::kParse, fmt::format("expected {} to be a whole number from 0 to {}", key, kMaxScan), where);
+  }
+  return value->get<std::size_t>();
+}
+
+Expected<void> append_range(std::vector<ScanRange>& ranges, ScanRange range, const std::string& where) {
+  const std::size_t expected = ranges.empty() ? 0 : ranges.back().last + 1;
+  if (range.first != expected || range.last < range.first) {
+    return fail(ErrorCode::kInvalidArgument,
+                fmt::format("scans {} to {}: expected a range that begins at scan {}, after the robot's one before",
+                            range.first, range.last, expected),
+                where);
+  }
+  ranges.push_back(range);
+  return {};
+}
+
+Expected<void> add_submap(const json& submap, const std::string& where, Cuts& cuts) {
+  const json* robot = find(submap, "robot");
+  if (robot == nullptr || !robot->is_string()) {
+    return fail(ErrorCode::kParse, "expected a key \"robot\" with a name", where);
+  }
+  const auto first = scan_number(submap, "first_scan", where);
+  if (!first) return pass_up(first.error());
+  const auto last = scan_number(submap, "last_scan", where);
+  if (!last) return pass_up(last.error());
+  return append_range(cuts[robot->get<std::string>()], {*first, *last}, where);
+}
+
+}  // namespace
+
+Expected<Cuts> parse_cuts(std::string_view json_text, const std::string& where) {
+  const Expected<json> root = parse_root(json_text, where);
+  if (!root) return pass_up(root.error());
+  if (auto ok = check_schema(*root, where); !ok) return pass_up(ok.error());
+  const json* submaps = find(*root, "submaps");
+  if (submaps == nullptr || !submaps->is_array()) {
+    return fail(ErrorCode::kParse, "expected a key \"submaps\" with a list", where);
+  }
+  Cuts cuts;
+  std::size_t index = 0;
+  for (const json& submap : *submaps) {
+    const std::string place = fmt::format("{}: submaps[{}]", where, index++);
+    if (auto added = add_submap(submap, place, cuts); !added) return pass_up(added.error());
+  }
+  if (cuts.empty()) return fail(ErrorCode::kEmptyInput, "the result holds no submap", where);
+  return cuts;
+}
+
+Expected<Cuts> read_cuts(const std::filesystem::path& result) {
+  std::error_code error;
+  const bool is_folder = std::filesystem::is_directory(result, error);
+  const std::filesystem::path file = is_folder ? result / "result.json" : result;
+  const auto bytes = read_file(file);
+  if (!bytes) return pass_up(bytes.error());
+  return parse_cuts(bytes->view(), shown(file));
+}
+
+}  // namespace kilter

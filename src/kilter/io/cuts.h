@@ -1,0 +1,30 @@
+// SPDX-FileCopyrightText: The kilter authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "kilter/base/expected.h"
+#include "kilter/submap/robot_log.h"
+
+namespace kilter {
+
+/// Each robot's submaps as ranges of scans; without gaps, the first range beginning at scan 0.
+using Cuts = std::map<std::string, std::vector<ScanRange>>;
+
+/// Takes from the text of a result.json where it cut submaps, so that another run can cut at the same scans.
+///
+/// Only `schema` and `submaps` are looked at, and only they are held in memory.
+/// \param where  the file's name, for messages
+/// \return  the cuts; or kParse (not JSON, keys missing, of another type or too deep), kUnsupported (another schema;
+///          finished submaps, which have no scans), kInvalidArgument (ranges with gaps or overlaps), kEmptyInput.
+[[nodiscard]] Expected<Cuts> parse_cuts(std::string_view json_text, const std::string& where);
+
+/// The same of a file, or of the result.json in an output folder. \return also what read_file fails with.
+[[nodiscard]] Expected<Cuts> read_cuts(const std::filesystem::path& result);
+
+}  // namespace kilter

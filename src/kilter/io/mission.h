@@ -1,0 +1,42 @@
+// SPDX-FileCopyrightText: The kilter authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "kilter/base/expected.h"
+#include "kilter/geometry/pose3.h"
+#include "kilter/submap/robot_log.h"
+
+namespace kilter {
+
+/// How the robots of a mission are read.
+struct MissionOptions {
+  /// Other poses for the same scans: DIR/ROBOT/poses.* takes the place of each robot's own. (`--poses`)
+  std::optional<std::filesystem::path> poses_folder;
+  /// Where poses are the vehicle's: the sensor's place on it, by robot; "" stands for all others.
+  std::map<std::string, Pose3> T_body_sensor;
+};
+
+/// All robots that share one world frame.
+struct Mission {
+  std::vector<RobotLog> robots;    ///< at least one, sorted bytewise by name
+  std::vector<std::string> notes;  ///< what a person should know before any work; may be empty
+};
+
+/// Opens the robots that command-line sources name; poses are read, points are not.
+///
+/// A source is a robot's folder (it directly holds `scans/` or `submaps/`; its name is the robot's), a folder of
+/// such folders (others beside them are passed over), or NAME=PATH with the path of a robot's folder. What stands
+/// before the first '=' is a name unless it holds a '/': write ./a=b for a folder a=b.
+/// \return  the mission; or kUsage (no source, a name given twice, a bad NAME), kConfig (T_body_sensor for an unknown
+///          robot), kNotFound, kEmptyInput (no robot in a folder), kUnsupported (a file; a folder's name that cannot be
+///          a robot's: with a comma, a control character or not UTF-8), or what open_robot fails with.
+[[nodiscard]] Expected<Mission> open_mission(const std::vector<std::string>& sources,
+                                             const MissionOptions& options = {});
+
+}  // namespace kilter

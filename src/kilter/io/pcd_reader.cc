@@ -1,0 +1,135 @@
+// SPDX-FileCopyrightText: The kilter authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "kilter/io/pcd_reader.h"
+
+#include <fmt/format.h>
+#include <liblzf/lzf.h>
+
+#include <bit>
+#include <optional>
+
+#include "kilter/io/byte_cursor.h"
+#include "kilter/io/file.h"
+#include "kilter/io/number_text.h"
+#include "kilter/io/pcd_header.h"
+#include "kilter/io/text_points.h"
+
+namespace kilter {
+namespace {
+
+// A back reference of 3 bytes yields at most 264.
+constexpr std::uint64_t kMaxLzfRatio = 88;
+
+Expected<PointCloud> read_ascii(ByteCursor& bytes, const PcdHeader& header, const std::string& where) {
+  const TextPointLayout layout = {
+      .columns = header.columns,
+      .xyz = {header.fields[header.xyz[0]].first_column, header.fields[header.xyz[1]].first_column,
+              header.fields[header.xyz[2]].first_column}};
+  Expected<PointCloud> cloud = read_text_points(bytes, header.points, layout, where);
+  if (cloud && !skip_blank_lines(bytes)) {
+    return fail(ErrorCode::kCountMismatch,
+                fmt::format("the header promises {} points, but more lines follow", header.points),
+                fmt::format("{}:{}", where, bytes.line() + 1));
+  }
+  return cloud;
+}
+
+Expected<PointCloud> read_binary(ByteCursor& bytes, const PcdHeader& header, const std::string& where) {
+  const std::uint64_t stored = bytes.remaining() / header.record_bytes;
+  if (stored < header.points) {
+    return fail(ErrorCode::kTruncated,
+                fmt::format("the header promises {} points of {} bytes, but only {} bytes follow it ({} points)",
+                            header.points, header.record_bytes, bytes.remaining(), stored),
+                where);
+  }
+  if (stored > header.points && !is_padding(bytes.rest().substr(header.points * header.record_bytes))) {
+    return fail(ErrorCode::kCountMismatch,
+                fmt::format("the header promises {} points of {} bytes, but {} bytes follow it ({} points)",
+                            header.points, header.record_bytes, bytes.remaining(), stored),
+                where);
+  }
+  PointColumns columns;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const PcdField& field = header.fields[header.xyz[axis]];
+    columns[axis] = {bytes.rest().data() + field.offset, header.record_bytes, field.type};
+  }
+  PointCloud cloud;
+  add_points(cloud, header.points, columns, std::endian::little);
+  return cloud;
+}
+
+// The two sizes in front of the compressed block, made sure of before anything is allocated.
+struct CompressedBlock {
+  std::string_view packed;
+  std::uint32_t unpacked_bytes = 0;
+};
+
+Expected<CompressedBlock> take_block(ByteCursor& bytes, const PcdHeader& header, const std::string& where) {
+  const std::optional<std::string_view> sizes = bytes.take(8);
+  if (!sizes) return fail(ErrorCode::kTruncated, "the file ends before the sizes of its compressed data", where);
+  const auto packed_bytes = load<std::uint32_t>(sizes->data(), std::endian::little);
+  const auto unpacked_bytes = load<std::uint32_t>(sizes->data() + 4, std::endian::little);
+  const auto expected = checked_product(header.points, header.record_bytes);
+  if (!expected || *expected != unpacked_bytes) {
+    return fail(ErrorCode::kCountMismatch,
+                fmt::format("{} points of {} bytes do not make the {} bytes that the compressed data claim to hold",
+                            header.points, header.record_bytes, unpacked_bytes),
+                where);
+  }
+  const std::size_t left = bytes.remaining();
+  const std::optional<std::string_view> packed = bytes.take(packed_bytes);
+  if (!packed) {
+    return fail(ErrorCode::kTruncated,
+                fmt::format("{} bytes of compressed data are promised, {} are there", packed_bytes, left), where);
+  }
+  if (unpacked_bytes > kMaxLzfRatio * packed_bytes) {
+    return fail(ErrorCode::kParse,
+                fmt::format("{} bytes of LZF data cannot hold the {} that are claimed", packed_bytes, unpacked_bytes),
+                where);
+  }
+  return CompressedBlock{*packed, unpacked_bytes};
+}
+
+Expected<PointCloud> read_compressed(ByteCursor& bytes, const PcdHeader& header, const std::string& where) {
+  const Expected<CompressedBlock> block = take_block(bytes, header, where);
+  if (!block) return pass_up(block.error());
+  Expected<ByteBuffer> unpacked = ByteBuffer::allocate(block->unpacked_bytes);
+  if (!unpacked) return pass_up(unpacked.error());
+  const unsigned done = lzf_decompress(block->packed.data(), static_cast<unsigned>(block->packed.size()),
+                                       unpacked->data(), block->unpacked_bytes);
+  if (done != block->unpacked_bytes) {
+    return fail(ErrorCode::kParse,
+                fmt::format("the compressed data are damaged: LZF expands {} bytes to {}, not to {}",
+                            block->packed.size(), done, block->unpacked_bytes),
+                where);
+  }
+  PointColumns columns;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    // One block per field, so what lies before z is every point's x and y.
+    const PcdField& field = header.fields[header.xyz[axis]];
+    columns[axis] = {unpacked->data() + field.offset * header.points, size_of(field.type), field.type};
+  }
+  PointCloud cloud;
+  add_points(cloud, header.points, columns, std::endian::little);
+  return cloud;
+}
+
+}  // namespace
+
+Expected<PointCloud> read_pcd(std::string_view bytes, const std::string& where) {
+  ByteCursor cursor(without_byte_order_mark(bytes));
+  const Expected<PcdHeader> header = read_pcd_header(cursor, where);
+  if (!header) return pass_up(header.error());
+  switch (header->data) {
+    case PcdData::kAscii:
+      return read_ascii(cursor, *header, where);
+    case PcdData::kBinary:
+      return read_binary(cursor, *header, where);
+    case PcdData::kBinaryCompressed:
+      if (header->points == 0) return PointCloud{};  // writers differ in what they put after it
+      return read_compressed(cursor, *header, where);
+  }
+  return PointCloud{};
+}
+
+}  // namespace kilter

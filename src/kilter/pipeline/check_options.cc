@@ -1,0 +1,37 @@
+// SPDX-FileCopyrightText: The kilter authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <iterator>
+
+#include "kilter/pipeline/check.h"
+
+namespace kilter {
+
+std::vector<OptionField> fields(CheckOptions& o) {
+  std::vector<OptionField> all;
+  const auto append = [&](std::vector<OptionField> stage) {
+    std::copy_if(std::make_move_iterator(stage.begin()), std::make_move_iterator(stage.end()), std::back_inserter(all),
+                 [&](const OptionField& field) {
+                   return std::none_of(all.begin(), all.end(), [&](const auto& known) { return known.name == field.name; });
+                 });
+  };
+  append(fields(o.submap.occupancy));
+  append(fields(o.submap.cutting));
+  append(fields(o.pairing));
+  append(fields(o.matching));  // owns d; the distribution's row of that name is the same key
+  append(fields(o.distribution));
+  append(fields(o.gamma));
+  append(fields(o.registration));
+  append(fields(o.judge));
+  return all;
+}
+
+void apply_seed_preset(CheckOptions& o) {
+  o.matching.position = VoxelPosition::kCentre;
+  o.matching.occupancy_weight_m = 1.0;  // Eq. (8) as printed: the probability counts as metres
+  o.distribution.method = DistributionFitMethod::kMoments;
+  o.gamma.floor = GammaFloor::kNone;
+  o.registration.method = RegistrationMethod::kOicp;
+}
+
+}  // namespace kilter

@@ -1,0 +1,172 @@
+// SPDX-FileCopyrightText: The kilter authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "kilter/pipeline/check.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <set>
+
+#include "testing/scenes.h"
+
+namespace kilter {
+namespace {
+
+using testing::furnished_room;
+using testing::robot_log;
+
+std::vector<Pose3> loop_through_room(double start_x) {
+  std::vector<Pose3> poses;
+  for (int i = 0; i < 8; ++i) {
+    const double yaw = 0.15 * i;
+    poses.emplace_back(Eigen::Quaterniond(Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ())),
+                       Eigen::Vector3d(start_x + 0.7 * i, 2.03 + 0.25 * i, 1.02));
+  }
+  return poses;
+}
+
+std::vector<Pose3> moved(std::vector<Pose3> poses, const Pose3& by) {
+  for (Pose3& pose : poses) pose = by * pose;
+  return poses;
+}
+
+CheckOptions small_submaps() {
+  CheckOptions options;
+  options.submap.cutting.submap_distance_m = 2.0;
+  return options;
+}
+
+std::vector<RobotLog> two_robots(const Pose3& error_of_b) {
+  const auto a = loop_through_room(2.01);
+  const auto b = loop_through_room(3.52);
+  return {robot_log("a", furnished_room(), a, a, 1), robot_log("b", furnished_room(), b, moved(b, error_of_b), 2)};
+}
+
+TEST(Check, AgreeingRobotsMakeAConsistentMap) {
+  const auto result = check(two_robots({}), small_submaps(), {}, {.threads = 2});
+  ASSERT_TRUE(result.has_value());
+  EXPECT_EQ(result->system.state, MapState::kConsistent) << result->system.reason;
+  EXPECT_EQ(result->system.inconsistent, 0U);
+  EXPECT_LT(*result->system.certificate_m, 0.1);
+  EXPECT_EQ(result->robots.size(), 2U);
+  for (const PairResult& pair : result->pairs) {
+    EXPECT_LT(pair.id.target, pair.id.source);
+    EXPECT_LT(pair.verdict.offset_m.value_or(0.0), 0.04) << pair.verdict.reason;
+  }
+}
+
+TEST(Check, ADisplacedRobotIsFoundWithItsOffset) {
+  const auto result = check(two_robots(Pose3::from_translation(0.0, 0.25, 0.0)), small_submaps(), {}, {.threads = 2});
+  ASSERT_TRUE(result.has_value());
+  EXPECT_EQ(result->system.state, MapState::kInconsistent);
+  for (const PairResult& pair : result->pairs) {
+    if (pair.kind != PairKind::kGlobal) {
+      EXPECT_NE(pair.verdict.verdict, Verdict::kInconsistent);
+    } else {
+      EXPECT_EQ(pair.verdict.verdict, Verdict::kInconsistent) << pair.verdict.reason;
+      EXPECT_NEAR(pair.verdict.offset_m.value_or(0.0), 0.25, 0.02);
+    }
+  }
+}
+
+TEST(Check, RobotsThatNeverMeetAreUndetermined) {
+  const auto a = loop_through_room(2.01);
+  const std::vector<RobotLog> robots = {
+      robot_log("a", furnished_room(), a, a, 1),
+      robot_log("b", furnished_room(), a, moved(a, Pose3::from_translation(500.0, 0.0, 0.0)), 2)};
+  const auto result = check(robots, small_submaps(), {}, {.threads = 2});
+  ASSERT_TRUE(result.has_value());
+  EXPECT_EQ(result->system.state, MapState::kUndetermined);
+  EXPECT_EQ(result->system.reason, "robots a and b never meet");
+}
+
+// Two robots' submaps pushed apart step by step: never called consistent once they are off.
+TEST(Check, APairPushedApartIsNeverConsistent) {
+  for (const double shift_m : {0.5, 1.5, 4.0, 9.0, 13.0}) {
+    const auto result = check(two_robots(Pose3::from_translation(shift_m, 0.0, 0.0)), small_submaps(), {}, {.threads = 2});
+    ASSERT_TRUE(result.has_value());
+    EXPECT_NE(result->system.state, MapState::kConsistent) << shift_m;
+    for (const PairResult& pair : result->pairs) {
+      if (pair.kind == PairKind::kGlobal) {
+        EXPECT_NE(pair.verdict.verdict, Verdict::kConsistent) << shift_m << " " << pair.verdict.reason;
+      }
+    }
+  }
+}
+
+TEST(Check, ThreadsChangeNothing) {
+  const auto one = check(two_robots(Pose3::from_translation(0.1, 0.1, 0.0)), small_submaps(), {}, {.threads = 1});
+  const auto three = check(two_robots(Pose3::from_translation(0.1, 0.1, 0.0)), small_submaps(), {}, {.threads = 3});
+  ASSERT_EQ(one->pairs.size(), three->pairs.size());
+  for (std::size_t i = 0; i < one->pairs.size(); ++i) {
+    EXPECT_EQ(one->pairs[i].verdict.offset_m, three->pairs[i].verdict.offset_m);
+    EXPECT_EQ(one->pairs[i].verified, three->pairs[i].verified);
+  }
+}
+
+TEST(Check, SwappingRobotNamesTransposesPairsAndKeepsVerdicts) {
+  auto robots = two_robots(Pose3::from_translation(0.0, 0.25, 0.0));
+  const auto forward = check(robots, small_submaps(), {}, {.threads = 2});
+  std::swap(robots[0], robots[1]);
+  std::swap(robots[0].name, robots[1].name);
+  const auto backward = check(robots, small_submaps(), {}, {.threads = 2});
+  EXPECT_EQ(forward->system.state, backward->system.state);
+  ASSERT_EQ(forward->pairs.size(), backward->pairs.size());
+  const int n = 3;  // submaps of each robot
+  for (const PairResult& pair : forward->pairs) {
+    if (pair.kind != PairKind::kGlobal) continue;
+    // The robots changed places: what was source (b/i) is target now.
+    const PairId swapped{{pair.id.target.value + n}, {pair.id.source.value - n}};
+    const auto other = std::find_if(backward->pairs.begin(), backward->pairs.end(),
+                                    [&](const PairResult& candidate) { return candidate.id == swapped; });
+    ASSERT_NE(other, backward->pairs.end());
+    EXPECT_EQ(pair.verdict.verdict, other->verdict.verdict) << pair.verdict.reason << " / " << other->verdict.reason;
+    EXPECT_NEAR(*pair.verdict.offset_m, *other->verdict.offset_m, 0.005);
+    EXPECT_EQ(pair.score.has_value(), other->score.has_value());
+  }
+}
+
+TEST(Check, TheSeedPresetRunsThePaperAlone) {
+  CheckOptions options = small_submaps();
+  apply_seed_preset(options);
+  const auto result = check(two_robots({}), options, {}, {.threads = 2});
+  ASSERT_TRUE(result.has_value());
+  int with_theta = 0;
+  for (const PairResult& pair : result->pairs) {
+    if (!pair.score) continue;
+    EXPECT_EQ(pair.score->gamma_per_m3, pair.score->gamma_literal_per_m3);
+    if (pair.registered_score) {
+      EXPECT_EQ(pair.theta_oicp_per_m3, pair.registered_score->gamma_per_m3);
+      EXPECT_NEAR(*pair.verified, *pair.theta_oicp_per_m3 - *pair.score->gamma_per_m3, 1e-9);
+      ++with_theta;
+    }
+  }
+  EXPECT_GT(with_theta, 0);
+}
+
+TEST(Check, MapsAreFusedWhenAskedFor) {
+  const auto result = check(two_robots({}), small_submaps(), {}, {.threads = 2, .fuse_maps = true});
+  ASSERT_EQ(result->maps.size(), 3U);
+  EXPECT_EQ(result->maps[2].name, "global");
+  EXPECT_GE(result->maps[2].voxels.size(), result->maps[0].voxels.size());
+}
+
+TEST(Check, MemoryBudgetAndCancellationEndTheRun) {
+  EXPECT_EQ(check(two_robots({}), small_submaps(), {}, {.memory_bytes = 1000}).error().code, ErrorCode::kOutOfMemory);
+  const std::atomic<bool> cancelled = true;
+  EXPECT_EQ(check(two_robots({}), small_submaps(), {}, {.cancelled = &cancelled}).error().code, ErrorCode::kCancelled);
+}
+
+TEST(CheckOptions, HoldEveryKeyOnce) {
+  CheckOptions options;
+  std::set<std::string> names;
+  for (const OptionField& field : fields(options)) EXPECT_TRUE(names.insert(field.name).second) << field.name;
+  for (const char* key : {"resolution", "submap_distance", "submap_rotation", "min_range", "max_range", "min_scans",
+                          "local_min_gap", "d", "overlap_min", "matched_min", "drift_per_metre", "occupancy_weight_m",
+                          "fit", "floor", "registration", "tolerance", "alpha", "prior_inconsistent", "min_decided"}) {
+    EXPECT_EQ(names.count(key), 1U) << key;
+  }
+}
+
+}  // namespace
+}  // namespace kilter

@@ -1,0 +1,193 @@
+// SPDX-FileCopyrightText: The kilter authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "kilter/pipeline/measure_pair.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace kilter {
+namespace {
+
+// Surfaces within this many voxels of each other are the same surface to the free-space test.
+constexpr double kConflictMarginVoxels = 2.0;
+// The prior on rotation where the scene leaves one open: what a front end may have turned by over a submap.
+constexpr double kPriorRotation_rad = 0.03;
+// A prior on translation never below this, however short the path between two submaps was. [m]
+constexpr double kLeastPrior_m = 0.05;
+// Source voxels looked at to see whether a candidate is worth measuring.
+constexpr std::size_t kGlanceVoxels = 500;
+
+// Both submaps' searches: by the points of the paper's distances, and by centroids.
+struct PairSearches {
+  const NearestVoxelSearch& source;
+  const NearestVoxelSearch& target;
+  const NearestVoxelSearch& source_centroids;
+  const NearestVoxelSearch& target_centroids;
+};
+
+// The paper's numbers are directed (source into target); whether there is enough to say anything must not depend on
+// which of the two robots comes first, so the gate looks both ways.
+struct TwoWaySample {
+  DistanceSample forward;
+  DistanceSample backward;
+
+  [[nodiscard]] std::size_t matched() const { return std::min(forward.matched(), backward.matched()); }
+  [[nodiscard]] double overlap() const { return std::max(forward.overlap(), backward.overlap()); }
+  [[nodiscard]] bool passes_gate(const MatchingOptions& options) const {
+    return matched() >= static_cast<std::size_t>(options.matched_min) && overlap() >= options.overlap_min;
+  }
+};
+
+TwoWaySample sample_both_ways(const PairSearches& pair, const Pose3& T_target_source, const CheckOptions& options) {
+  return {measure_distances(pair.source.map(), pair.target, T_target_source, options.matching),
+          measure_distances(pair.target.map(), pair.source, T_target_source.inverse(), options.matching)};
+}
+
+PoseEvidence measure_at(const PairSearches& pair, const Pose3& T_target_source, const TwoWaySample& sample,
+                        const CheckOptions& options) {
+  const double resolution_m = pair.target.map().resolution_m();
+  PoseEvidence evidence;
+  evidence.matched = sample.matched();
+  evidence.overlap = sample.overlap();
+  evidence.mean_distance_m = 0.5 * (sample.forward.mean_euclidean_m + sample.backward.mean_euclidean_m);
+  if (sample.passes_gate(options.matching)) {
+    const Expected<DistributionFit> fit = fit_distribution(sample.forward.distances_m, options.distribution);
+    if (fit) evidence.score = score_pair(*fit, resolution_m, options.gamma);
+  }
+  evidence.conflict = measure_conflict(pair.source_centroids, pair.target_centroids, T_target_source,
+                                       kConflictMarginVoxels * resolution_m);
+  return evidence;
+}
+
+// Measuring every voxel of every pair whose boxes touch would cost more than all the rest: a look at some of them
+// tells those that cannot come near the gate. Half the gate leaves room for the sampling.
+bool could_pass_gate(const PairSearches& pair, const Pose3& T_target_source, const MatchingOptions& options) {
+  const OverlapEstimate forward =
+      estimate_overlap(pair.source.map(), pair.target, T_target_source, options, kGlanceVoxels);
+  const OverlapEstimate backward =
+      estimate_overlap(pair.target.map(), pair.source, T_target_source.inverse(), options, kGlanceVoxels);
+  return 2.0 * std::min(forward.matched, backward.matched) >= options.matched_min &&
+         2.0 * std::max(forward.overlap, backward.overlap) >= options.overlap_min;
+}
+
+std::string gate_reason(const TwoWaySample& sample, const CandidatePair& pair, const MatchingOptions& options) {
+  std::string reason = sample.matched() < static_cast<std::size_t>(options.matched_min)
+                           ? fmt::format("too little overlap: {} voxels match, {} are needed", sample.matched(),
+                                         options.matched_min)
+                           : fmt::format("too little overlap: {:.0f} % of the voxels match, {:.0f} % are needed",
+                                         100.0 * sample.overlap(), 100.0 * options.overlap_min);
+  const double shift_m = pair.predicted_shift_m.norm();
+  if (shift_m > 0.0 && pair.predicted_enough) {
+    reason += fmt::format("; moved by {:.1f} m, within what odometry may have drifted, it would overlap {:.0f} %",
+                          shift_m, 100.0 * pair.predicted_overlap);
+  }
+  return reason;
+}
+
+// What is known of the relative position before looking. Inside one robot odometry bounds it; how the frames of two
+// robots lie to each other nothing bounds, so at least the search distance is open.
+double prior_translation_m(const CandidatePair& pair, const CheckOptions& options) {
+  const double least_m = pair.kind == PairKind::kGlobal ? options.matching.max_distance_m : kLeastPrior_m;
+  return std::max(pair.drift_allowance_m, least_m);
+}
+
+}  // namespace
+
+CheckOptions resolved(CheckOptions options) {
+  options.distribution.max_distance_m = options.matching.max_distance_m;
+  options.pairing.max_distance_m = options.matching.max_distance_m;
+  options.pairing.overlap_min = options.matching.overlap_min;
+  options.pairing.matched_min = options.matching.matched_min;
+  options.registration.search_distance_m = options.matching.max_distance_m;
+  options.registration.min_matches = std::min(options.registration.min_matches, options.matching.matched_min);
+  return options;
+}
+
+SubmapSearches build_searches(std::span<const Submap> submaps, const CheckOptions& options, const RunContext& run) {
+  std::vector<std::optional<NearestVoxelSearch>> by_position(submaps.size());
+  std::vector<std::optional<NearestVoxelSearch>> by_centroid(submaps.size());
+  const double reach_m = std::max(options.matching.max_distance_m,
+                                  kConflictMarginVoxels * options.submap.occupancy.resolution_m);
+  parallel_for(submaps.size(), run, [&](std::size_t i) {
+    by_position[i].emplace(submaps[i].map, options.matching.position, reach_m);
+    by_centroid[i].emplace(submaps[i].map, VoxelPosition::kCentroid, reach_m);
+  });
+  SubmapSearches searches;
+  for (std::size_t i = 0; i < submaps.size() && by_centroid[i]; ++i) {
+    searches.by_position.push_back(std::move(*by_position[i]));
+    searches.by_centroid.push_back(std::move(*by_centroid[i]));
+  }
+  return searches;
+}
+
+PairMeasurement measure_pair(std::span<const Submap> submaps, const SubmapSearches& searches, const CandidatePair& pair,
+                             const CheckOptions& options) {
+  const auto s = static_cast<std::size_t>(pair.id.source.value);
+  const auto t = static_cast<std::size_t>(pair.id.target.value);
+  PairMeasurement measurement;
+  PairEvidence& evidence = measurement.evidence;
+  evidence.id = pair.id;
+  evidence.kind = pair.kind;
+  evidence.T_target_source = submaps[t].T_world_submap.inverse() * submaps[s].T_world_submap;
+  const PairSearches both{searches.by_position[s], searches.by_position[t], searches.by_centroid[s],
+                          searches.by_centroid[t]};
+  const bool always_listed = pair.kind == PairKind::kSequential || pair.predicted_enough;
+  if (!always_listed && !could_pass_gate(both, evidence.T_target_source, options.matching)) {
+    measurement.listed = false;
+    return measurement;
+  }
+  const TwoWaySample sample = sample_both_ways(both, evidence.T_target_source, options);
+  evidence.map = measure_at(both, evidence.T_target_source, sample, options);
+  measurement.matched = sample.forward.matched();
+  measurement.overlap = sample.forward.overlap();
+  if (measurement.matched > 0) {
+    auto histogram = histogram_distances(sample.forward.distances_m, options.distribution);
+    if (histogram) measurement.histogram = std::move(*histogram);
+  }
+  evidence.overlaps = sample.passes_gate(options.matching);
+  if (!evidence.overlaps) {
+    measurement.listed = always_listed;
+    evidence.gate = gate_reason(sample, pair, options.matching);
+    return measurement;
+  }
+  const bool oicp = options.registration.method == RegistrationMethod::kOicp;
+  const auto& by = oicp ? searches.by_position : searches.by_centroid;
+  const RegistrationPrior prior{prior_translation_m(pair, options), kPriorRotation_rad};
+  evidence.registration = align_submaps(by[s], by[t], evidence.T_target_source, options.registration, prior);
+  if (!evidence.registration->converged()) return measurement;
+  const Pose3& T_registered = evidence.registration->T_target_source;
+  evidence.registered = measure_at(both, T_registered, sample_both_ways(both, T_registered, options), options);
+  if (oicp && evidence.registered->score) measurement.theta_oicp_per_m3 = evidence.registered->score->gamma_per_m3;
+  return measurement;
+}
+
+PairResult pair_result(const PairMeasurement& measurement, const PairVerdict& verdict, const CheckOptions& options) {
+  const PairEvidence& evidence = measurement.evidence;
+  PairResult result;
+  result.id = evidence.id;
+  result.kind = evidence.kind;
+  result.overlap = measurement.overlap;
+  result.matched = measurement.matched;
+  result.max_distance_m = options.matching.max_distance_m;
+  result.histogram = measurement.histogram;
+  result.score = evidence.map.score;
+  result.theta_oicp_per_m3 = measurement.theta_oicp_per_m3;
+  result.verdict = verdict;
+  result.T_target_source = evidence.T_target_source;
+  if (evidence.registered) {
+    result.registered_score = evidence.registered->score;
+    result.T_target_source_registered = evidence.registration->T_target_source;
+    result.covariance = evidence.registration->covariance;
+    result.trusted = verdict.verdict != Verdict::kUnverified;
+  }
+  const auto gamma_of = [](const std::optional<PairScore>& score) {
+    return score ? score->gamma_per_m3 : std::nullopt;
+  };
+  const auto gamma = gamma_of(result.score);
+  const auto theta = gamma_of(result.registered_score);
+  if (gamma && theta) result.verified = *theta - *gamma;
+  return result;
+}
+
+}  // namespace kilter

@@ -1,0 +1,50 @@
+// SPDX-FileCopyrightText: The kilter authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "kilter/matching/nearest_voxel.h"
+#include "kilter/pairing/propose_pairs.h"
+#include "kilter/pipeline/check.h"
+#include "kilter/pipeline/result.h"
+#include "kilter/verification/judge.h"
+
+namespace kilter {
+
+/// The options with what several stages share copied from the one key that holds it.
+[[nodiscard]] CheckOptions resolved(CheckOptions options);
+
+/// Closest-voxel searches of every submap, by the points that stand for voxels in the paper's distances and by
+/// centroids, in submap order.
+struct SubmapSearches {
+  std::vector<NearestVoxelSearch> by_position;
+  std::vector<NearestVoxelSearch> by_centroid;
+};
+
+[[nodiscard]] SubmapSearches build_searches(std::span<const Submap> submaps, const CheckOptions& options,
+                                            const RunContext& run);
+
+/// One pair, measured at the map's pose and, if it overlaps there, registered and measured again.
+struct PairMeasurement {
+  /// False for a candidate that overlaps enough neither at the map's pose nor at any pose within the drift allowance:
+  /// it is counted, and nothing else of it was measured. Sequential pairs are always listed.
+  bool listed = true;
+  PairEvidence evidence;
+  std::size_t matched = 0;  ///< source voxels matched at the map's pose
+  double overlap = 0.0;     ///< of the source voxels inside the target's box, the fraction matched there
+  std::optional<DistanceHistogram> histogram;  ///< at the map's pose
+  std::optional<double> theta_oicp_per_m3;
+};
+
+/// Algorithm 1's inner step. Options must be `resolved`. Pure: same bits for any thread.
+[[nodiscard]] PairMeasurement measure_pair(std::span<const Submap> submaps, const SubmapSearches& searches,
+                                           const CandidatePair& pair, const CheckOptions& options);
+
+/// What the outside hears of it.
+[[nodiscard]] PairResult pair_result(const PairMeasurement& measurement, const PairVerdict& verdict,
+                                     const CheckOptions& options);
+
+}  // namespace kilter

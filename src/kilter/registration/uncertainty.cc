@@ -1,0 +1,27 @@
+// SPDX-FileCopyrightText: The kilter authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "kilter/registration/uncertainty.h"
+
+namespace kilter {
+namespace {
+
+// Residuals within a metre share lattice, plane and view: they count as one observation.
+constexpr double kCell_m = 1.0;
+
+}  // namespace
+
+void describe_uncertainty(std::span<const PlaneResidual> residuals, const NormalEquations& equations,
+                          const ObservableSplit& split, double floor_m, const RegistrationPrior& prior,
+                          RegistrationResult& result) {
+  result.centre_target_m = equations.centre_m;
+  result.scatter_m2 = scatter_about(residuals, equations.centre_m);
+  result.covariance_measured = cluster_covariance(residuals, equations, split, kCell_m, floor_m);
+  result.covariance_centre =
+      result.covariance_measured + prior_covariance(equations, split, prior.translation_m, prior.rotation_rad);
+  result.covariance = covariance_in_source(result.covariance_centre, equations.centre_m, result.T_target_source);
+  for (int k = 0; k < split.unobservable; ++k) {
+    result.unobservable.emplace_back((equations.unscale * split.directions.col(k)).normalized());
+  }
+}
+
+}  // namespace kilter

@@ -1,0 +1,18 @@
+// SPDX-FileCopyrightText: The kilter authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <span>
+
+#include "kilter/registration/normal_equations.h"
+#include "kilter/registration/registration.h"
+
+namespace kilter {
+
+/// Fills in what a finished registration says about itself: centre and scatter of the matched voxels, covariances,
+/// unobservable directions. `result.T_target_source` must be set. `floor_m` is an error no averaging removes. [m]
+void describe_uncertainty(std::span<const PlaneResidual> residuals, const NormalEquations& equations,
+                          const ObservableSplit& split, double floor_m, const RegistrationPrior& prior,
+                          RegistrationResult& result);
+
+}  // namespace kilter

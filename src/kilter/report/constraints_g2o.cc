@@ -1,0 +1,70 @@
+// SPDX-FileCopyrightText: The kilter authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "kilter/report/constraints_g2o.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+
+#include <fmt/format.h>
+
+#include "kilter/report/json_writer.h"
+
+namespace kilter {
+namespace {
+
+// Variances of 1e-8 m^2 beside 1e2 m^2 are real; beyond this ratio the inverse is mostly rounding.
+constexpr double kMinConditionInverse = 1e-13;
+
+std::string pose_text(const Pose3& pose) {
+  const Eigen::Vector3d& t = pose.translation_m();
+  const Eigen::Quaterniond& q = pose.rotation();
+  std::string text;
+  for (const double number : {t.x(), t.y(), t.z(), q.x(), q.y(), q.z(), q.w()}) text += ' ' + number_text(number);
+  return text;
+}
+
+std::string edge_text(const Result& result, const PairResult& pair) {
+  const std::string names = fmt::format("{} <- {}", printable(result.submap(pair.id.target).name),
+                                        printable(result.submap(pair.id.source).name));
+  if (!pair.T_target_source_registered || !pair.covariance) return fmt::format("# {}: no covariance, no edge\n", names);
+  const std::optional<Matrix6> information = g2o_information(*pair.covariance);
+  if (!information) return fmt::format("# {}: covariance cannot be inverted, no edge\n", names);
+  std::string text = fmt::format("# {}\nEDGE_SE3:QUAT {} {}{}", names, pair.id.target.value, pair.id.source.value,
+                                 pose_text(*pair.T_target_source_registered));
+  for (int row = 0; row < 6; ++row) {
+    for (int column = row; column < 6; ++column) text += ' ' + number_text((*information)(row, column));
+  }
+  return text + '\n';
+}
+
+}  // namespace
+
+std::optional<Matrix6> g2o_information(const Matrix6& covariance) {
+  if (!covariance.allFinite()) return std::nullopt;
+  Vector6 half_angle;
+  half_angle << 1.0, 1.0, 1.0, 0.5, 0.5, 0.5;
+  const Matrix6 symmetric = 0.5 * (covariance + covariance.transpose());
+  const Matrix6 sigma = half_angle.asDiagonal() * symmetric * half_angle.asDiagonal();
+  const Vector6 values = Eigen::SelfAdjointEigenSolver<Matrix6>(sigma, Eigen::EigenvaluesOnly).eigenvalues();
+  if (!(values[0] > 0.0) || values[0] < kMinConditionInverse * values[5]) return std::nullopt;
+  const Matrix6 information = sigma.ldlt().solve(Matrix6::Identity());
+  if (!information.allFinite()) return std::nullopt;
+  return 0.5 * (information + information.transpose());
+}
+
+std::string constraints_g2o(const Result& result) {
+  std::string text =
+      "# kilter: submaps as vertices, T_world_submap; trusted registrations as edges target source, T_target_source\n"
+      "# information for g2o's error (x y z qx qy qz); readers that take rotation vectors see it four times too "
+      "strong\n";
+  for (const SubmapSummary& submap : result.submaps) {
+    text += fmt::format("# {}\nVERTEX_SE3:QUAT {}{}\n", printable(submap.name), submap.id.value,
+                        pose_text(submap.T_world_submap));
+  }
+  for (const PairResult& pair : result.pairs) {
+    if (pair.trusted) text += edge_text(result, pair);
+  }
+  return text;
+}
+
+}  // namespace kilter

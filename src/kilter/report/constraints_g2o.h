@@ -1,0 +1,28 @@
+// SPDX-FileCopyrightText: The kilter authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "kilter/geometry/pose3.h"
+#include "kilter/pipeline/result.h"
+
+namespace kilter {
+
+/// The information matrix that g2o expects for an EDGE_SE3:QUAT with the given covariance.
+///
+/// g2o's error is (x y z qx qy qz): the vector part of a quaternion, half the angle. So with
+/// D = diag(1, 1, 1, 1/2, 1/2, 1/2) the information is (D covariance D^T)^-1: rotation blocks count four times, mixed
+/// ones twice. Both sides perturb on the right, xi = (x y z rx ry rz) in the source's frame.
+/// \return  absent when the covariance is not finite, not positive definite, or too close to singular to invert.
+[[nodiscard]] std::optional<Matrix6> g2o_information(const Matrix6& covariance);
+
+/// The pose graph that the map's submaps and trusted registrations make, as g2o text.
+///
+/// VERTEX_SE3:QUAT for each submap (ids from 0 in global numbering, T_world_submap, name in a comment) and
+/// EDGE_SE3:QUAT target source (T_target_source as registered, 21 upper-triangular information numbers) for each pair
+/// that is trusted. An edge whose covariance cannot be inverted is left out, with a comment that says so.
+[[nodiscard]] std::string constraints_g2o(const Result& result);
+
+}  // namespace kilter

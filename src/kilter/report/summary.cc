@@ -1,0 +1,267 @@
+// SPDX-FileCopyrightText: The kilter authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "kilter/report/summary.h"
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <numbers>
+#include <set>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "kilter/base/expected.h"
+#include "kilter/report/text_lines.h"
+
+namespace kilter {
+namespace {
+
+using Lines = std::vector<std::string>;
+
+constexpr std::size_t kWidth = kSummaryColumns;
+constexpr std::size_t kLabel = 12;  // columns of "Robots      "
+
+// "Label      text", wrapped under the text.
+void add_labelled(Lines& lines, std::string_view label, std::string_view text, std::size_t max_lines) {
+  const Lines block = wrapped(padded(std::string(label), kLabel) + std::string(text), kWidth, kLabel, max_lines);
+  lines.insert(lines.end(), block.begin(), block.end());
+}
+
+std::string_view headline(MapState state) {
+  switch (state) {
+    case MapState::kConsistent:
+      return "CONSISTENT";
+    case MapState::kInconsistent:
+      return "INCONSISTENT";
+    case MapState::kUndetermined:
+      return "UNDETERMINED";
+  }
+  return "";
+}
+
+std::string coloured(std::string_view word, MapState state) {
+  const int colour = state == MapState::kConsistent ? 32 : state == MapState::kInconsistent ? 31 : 33;
+  return fmt::format("\x1b[1;{}m{}\x1b[0m", colour, word);
+}
+
+void add_verdict(Lines& lines, const Result& result, const SummaryOptions& options) {
+  const std::string_view word = headline(result.system.state);
+  Lines block = wrapped(fmt::format("{}: {}", word, printable(result.system.reason, 400)), kWidth, 2, 2);
+  if (options.colour) block[0] = coloured(word, result.system.state) + block[0].substr(word.size());
+  lines.insert(lines.end(), block.begin(), block.end());
+}
+
+void add_certificate(Lines& lines, const Result& result) {
+  const MapVerdict& system = result.system;
+  std::string text = "none: nothing can be said about the whole map at 95 %";
+  if (system.certificate_m) {
+    text = fmt::format("consistent to {:.2f} m at 95 %", *system.certificate_m);
+    if (!system.certificate_excludes.empty()) {
+      const PairId first = system.certificate_excludes.front();
+      text += fmt::format("; says nothing about {} of the pairs that overlap ({} with {}{})",
+                          system.certificate_excludes.size(), printable(result.submap(first.target).name, 20),
+                          printable(result.submap(first.source).name, 20),
+                          system.certificate_excludes.size() > 1 ? ", ..." : "");
+    }
+  }
+  add_labelled(lines, "Certified", text, 2);
+}
+
+void add_robots(Lines& lines, const Result& result) {
+  std::string text;
+  for (const RobotSummary& robot : result.robots) {
+    if (!text.empty()) text += "; ";
+    text += fmt::format("{} ({} {}{}, {:.0f} m, {} submap{})", printable(robot.name, 24), robot.scans,
+                        robot.finished_submaps ? "cloud" : "scan", robot.scans == 1 ? "" : "s", robot.path_length_m,
+                        robot.submaps, robot.submaps == 1 ? "" : "s");
+  }
+  add_labelled(lines, "Robots", text, 2);
+}
+
+void add_counts(Lines& lines, const Result& result) {
+  if (result.pairs.empty()) return;
+  lines.push_back(fmt::format("{:<{}}{:>8}{:>13}{:>14}{:>12}", "Pairs", kLabel, "tested", "consistent", "inconsistent",
+                              "unverified"));
+  for (const PairKind kind : {PairKind::kSequential, PairKind::kLocal, PairKind::kGlobal}) {
+    std::array<std::size_t, 3> by_verdict{};
+    for (const PairResult& pair : result.pairs) {
+      if (pair.kind == kind) ++by_verdict[static_cast<std::size_t>(pair.verdict.verdict)];
+    }
+    const std::size_t tested = by_verdict[0] + by_verdict[1] + by_verdict[2];
+    if (tested == 0) continue;
+    lines.push_back(fmt::format("  {:<{}}{:>8}{:>13}{:>14}{:>12}", to_string(kind), kLabel - 2, tested, by_verdict[0],
+                                by_verdict[1], by_verdict[2]));
+  }
+  if (result.too_little_overlap > 0) {
+    lines.push_back(fmt::format("  {} more of {} neighbouring pairs overlap too little to be tested",
+                                result.too_little_overlap, result.candidates));
+  }
+}
+
+// What pairs with the same trouble have in common: their reason without what was measured ("offset 3 cm (...)"),
+// without what comes after a semicolon, and with dots for numbers.
+std::string cause_of(std::string_view reason) {
+  if (reason.starts_with("offset ")) {
+    const std::size_t end = reason.find(')');
+    if (end != std::string_view::npos) reason.remove_prefix(end + 1);
+    reason.remove_prefix(std::min(reason.find_first_not_of(" ,;:"), reason.size()));
+  }
+  reason = reason.substr(0, reason.find(';'));
+  std::string cause;
+  bool in_number = false;
+  for (const char c : reason) {
+    const bool digit = c >= '0' && c <= '9';
+    if (digit && !in_number) cause += "..";
+    in_number = digit || (in_number && c == '.');
+    if (!in_number) cause += c;
+  }
+  return cause;
+}
+
+// The three commonest reasons for saying neither, the commonest first.
+void add_reasons(Lines& lines, const Result& result) {
+  std::map<std::string, int> counts;
+  for (const PairResult& pair : result.pairs) {
+    if (pair.verdict.verdict == Verdict::kUnverified) ++counts[cause_of(pair.verdict.reason)];
+  }
+  std::vector<std::pair<std::string, int>> reasons(counts.begin(), counts.end());
+  std::stable_sort(reasons.begin(), reasons.end(), [](const auto& a, const auto& b) { return a.second > b.second; });
+  if (reasons.size() > 3) reasons.resize(3);
+  std::string_view label = "Unverified";
+  for (const auto& [reason, count] : reasons) {
+    add_labelled(lines, std::exchange(label, ""), fmt::format("{} x {}", count, printable(reason, 300)), 1);
+  }
+}
+
+// Robots a, b that not one listed pair joins.
+std::vector<std::string> robots_that_never_meet(const Result& result) {
+  std::set<std::pair<std::string, std::string>> met;
+  for (const PairResult& pair : result.pairs) {
+    met.emplace(result.submap(pair.id.target).robot, result.submap(pair.id.source).robot);
+  }
+  std::vector<std::string> never;
+  for (std::size_t a = 0; a < result.robots.size(); ++a) {
+    for (std::size_t b = a + 1; b < result.robots.size(); ++b) {
+      const std::string& first = result.robots[a].name;
+      const std::string& second = result.robots[b].name;
+      if (met.contains({first, second})) continue;
+      never.push_back(fmt::format("{} and {}", printable(first, 24), printable(second, 24)));
+    }
+  }
+  return never;
+}
+
+std::string probability_text(std::optional<double> p) {
+  if (!p) return "-";
+  if (*p > 0.995) return ">0.99";
+  if (*p < 0.005) return "<0.01";
+  return fmt::format("{:.2f}", *p);
+}
+
+std::string offset_text(const PairVerdict& verdict) {
+  if (!verdict.offset_m) return "-";
+  const int decimals = *verdict.offset_m < 0.1 ? 1 : 0;
+  std::string text = fmt::format("{:.{}f} cm", *verdict.offset_m * 100.0, decimals);
+  if (verdict.offset_interval_m) {
+    const auto [low_m, high_m] = *verdict.offset_interval_m;
+    text += fmt::format(" [{:.{}f}, {:.{}f}]", low_m * 100.0, decimals, high_m * 100.0, decimals);
+  }
+  return text;
+}
+
+std::string shift_text(const Result& result, const PairResult& pair) {
+  if (!pair.verdict.offset_vector_m) return "-";
+  const Pose3& T_world_target = result.submap(pair.id.target).T_world_submap;
+  const Eigen::Vector3d shift_cm = T_world_target.rotation() * *pair.verdict.offset_vector_m * 100.0;
+  const int decimals = shift_cm.norm() < 10.0 ? 1 : 0;
+  const double step = decimals == 1 ? 0.1 : 1.0;
+  // Rounded before it is printed, or -0.2 would read "-0".
+  const Eigen::Vector3d shown = (shift_cm / step).array().round() * step + 0.0;
+  return fmt::format("x{:+.{}f} y{:+.{}f} z{:+.{}f}", shown.x(), decimals, shown.y(), decimals, shown.z(), decimals);
+}
+
+std::vector<const PairResult*> worst_pairs(const Result& result, std::size_t count) {
+  std::vector<const PairResult*> pairs;
+  for (const PairResult& pair : result.pairs) {
+    if (pair.verdict.verdict == Verdict::kInconsistent || pair.verdict.offset_m) pairs.push_back(&pair);
+  }
+  const auto badness = [](const PairResult& pair) {
+    const bool inconsistent = pair.verdict.verdict == Verdict::kInconsistent;
+    const double offset_m = pair.verdict.offset_m.value_or(0.0);
+    return std::tuple(inconsistent, offset_m);
+  };
+  std::stable_sort(pairs.begin(), pairs.end(),
+                   [&](const PairResult* a, const PairResult* b) { return badness(*a) > badness(*b); });
+  if (pairs.size() > count) pairs.resize(count);
+  return pairs;
+}
+
+std::array<std::string, 6> worst_row(const Result& result, const PairResult& pair) {
+  const char mark = pair.verdict.verdict == Verdict::kInconsistent ? '!'
+                    : pair.verdict.verdict == Verdict::kUnverified ? '?'
+                                                                   : ' ';
+  const std::string degrees =
+      pair.verdict.offset_rad ? fmt::format("{:.1f} deg", *pair.verdict.offset_rad * 180.0 / std::numbers::pi) : "-";
+  return {fmt::format("{} {} <- {}", mark, cut_front(printable(result.submap(pair.id.target).name), 13),
+                      cut_front(printable(result.submap(pair.id.source).name), 13)),
+          std::string(to_string(pair.kind)),
+          offset_text(pair.verdict),
+          degrees,
+          shift_text(result, pair),
+          "p " + probability_text(pair.verdict.p_inconsistent)};
+}
+
+void add_worst(Lines& lines, const Result& result) {
+  std::vector<std::array<std::string, 6>> rows;
+  for (const PairResult* pair : worst_pairs(result, 5)) rows.push_back(worst_row(result, *pair));
+  if (rows.empty()) return;
+  lines.push_back(fmt::format("{}, target <- source (! inconsistent, ? unverified): offset, 95 % interval, rotation,",
+                              result.system.state == MapState::kInconsistent ? "Worst pairs" : "Largest offsets"));
+  lines.push_back("shift of the source in world axes [cm] that would mend it, probability of being inconsistent");
+  std::array<std::size_t, 6> widths{};
+  for (const auto& row : rows) {
+    for (std::size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], columns_of(row[i]));
+  }
+  for (const auto& row : rows) {
+    std::string line;
+    for (std::size_t i = 0; i < row.size(); ++i) line += (i > 0 ? "  " : "") + padded(row[i], widths[i]);
+    lines.push_back(cut_end(line.substr(0, line.find_last_not_of(' ') + 1), kWidth));
+  }
+}
+
+std::string next_step(const Result& result, const SummaryOptions& options, bool some_never_meet) {
+  const std::string folder = printable(options.output_folder, 60);
+  switch (result.system.state) {
+    case MapState::kConsistent:
+      return fmt::format("nothing to mend above {:.2f} m; a smaller tolerance asks for more", options.tolerance_m);
+    case MapState::kInconsistent:
+      return fmt::format("give {0}/constraints.g2o to the optimiser, then check its poses with --poses NEW --cuts {0}",
+                         folder);
+    case MapState::kUndetermined:
+      if (result.pairs.empty()) return "a map can only be compared with itself where it shows a place twice";
+      return some_never_meet ? "send robots that never meet through a place that both see, or check them one by one"
+                             : fmt::format("the column `reason` of {}/pairs.csv says what each pair lacks", folder);
+  }
+  return {};
+}
+
+}  // namespace
+
+std::string summary(const Result& result, const SummaryOptions& options) {
+  Lines lines;
+  add_verdict(lines, result, options);
+  add_certificate(lines, result);
+  add_robots(lines, result);
+  add_counts(lines, result);
+  add_reasons(lines, result);
+  const std::vector<std::string> never = robots_that_never_meet(result);
+  if (!never.empty()) add_labelled(lines, "Never meet", fmt::format("{}", fmt::join(never, "; ")), 1);
+  add_worst(lines, result);
+  add_labelled(lines, "Next", next_step(result, options, !never.empty()), 2);
+  return fmt::format("{}\n", fmt::join(lines, "\n"));
+}
+
+}  // namespace kilter

@@ -1,0 +1,149 @@
+// SPDX-FileCopyrightText: The kilter authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "kilter/report/summary.h"
+
+#include <sstream>
+
+#include <gmock/gmock.h>
+
+#include "kilter/report/text_lines.h"
+#include "testing/results.h"
+
+namespace kilter {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+using ::testing::StartsWith;
+
+std::vector<std::string> lines_of(const std::string& text) {
+  std::vector<std::string> lines;
+  std::istringstream stream(text);
+  for (std::string line; std::getline(stream, line);) lines.push_back(line);
+  return lines;
+}
+
+std::size_t line_with(const std::string& text, const std::string& part) {
+  const std::vector<std::string> lines = lines_of(text);
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    if (lines[i].find(part) != std::string::npos) return i;
+  }
+  ADD_FAILURE() << "no line has " << part << " in\n" << text;
+  return 0;
+}
+
+TEST(Summary, TheVerdictComesFirst) {
+  Result result = testing::small_result();
+  EXPECT_THAT(summary(result), StartsWith("INCONSISTENT: 1 of 3 pairs"));
+  result.system.state = MapState::kConsistent;
+  EXPECT_THAT(summary(result), StartsWith("CONSISTENT: "));
+  result.system.state = MapState::kUndetermined;
+  EXPECT_THAT(summary(result), StartsWith("UNDETERMINED: "));
+}
+
+TEST(Summary, FitsATerminalHoweverLargeTheMission) {
+  const std::string long_name(90, 'x');
+  std::vector<testing::RobotOf> robots;
+  for (int i = 0; i < 30; ++i) robots.push_back({long_name + std::to_string(i), 3});
+  Result result = testing::result_of(robots);
+  for (int source = 1; source < 60; ++source) {
+    PairResult& pair = testing::add_measured_pair(result, source, source - 1);
+    pair.verdict.offset_m = 1234.0;
+    pair.verdict.offset_interval_m = {{1200.0, 1300.0}};
+    pair.verdict.offset_vector_m = Eigen::Vector3d(-1234.0, 1234.0, -1234.0);
+    PairResult& thin = testing::add_empty_pair(result, source + 20, source - 1);
+    thin.verdict.reason = std::string(static_cast<std::size_t>(source % 7), 'x') + std::string(200, 'y');
+    result.system.certificate_excludes.push_back(thin.id);
+  }
+  PairResult& local = testing::add_measured_pair(result, 2, 0);
+  local.verdict.verdict = Verdict::kInconsistent;
+  result.candidates = result.too_little_overlap = 1000000;
+  result.system.certificate_m = 1234.5;
+  result.system.reason = "because " + std::string(50, 'z') + " and " + std::string(300, 'z');
+  SummaryOptions options;
+  options.output_folder = std::string(200, 'o');
+  for (const MapState state : {MapState::kConsistent, MapState::kInconsistent, MapState::kUndetermined}) {
+    result.system.state = state;
+    const std::vector<std::string> lines = lines_of(summary(result, options));
+    EXPECT_LE(lines.size(), static_cast<std::size_t>(kSummaryLines)) << summary(result, options);
+    for (const std::string& line : lines)
+      EXPECT_LE(columns_of(line), static_cast<std::size_t>(kSummaryColumns)) << line;
+  }
+}
+
+TEST(Summary, ARowTellsOffsetIntervalRotationAndShift) {
+  const std::string text = summary(testing::small_result());
+  EXPECT_THAT(text, HasSubstr("! a/1 <- b/1  global      43 cm [39, 47]     1.7 deg  x+0 y-40 z+15      p 0.97"));
+  EXPECT_THAT(text, HasSubstr("  a/1 <- a/2  sequential  2.0 cm [1.0, 3.0]  0.1 deg  x+2.0 y+0.0 z+0.0  p <0.01"));
+}
+
+TEST(Summary, TheShiftIsTurnedIntoTheWorld) {
+  Result result = testing::small_result();
+  const Eigen::Quaterniond quarter_turn(Eigen::AngleAxisd(M_PI / 2.0, Eigen::Vector3d::UnitZ()));
+  result.submaps[0].T_world_submap = Pose3(quarter_turn, Eigen::Vector3d(5.0, 5.0, 5.0));
+  EXPECT_THAT(summary(result), HasSubstr("x+40 y+0 z+15"));
+}
+
+TEST(Summary, InconsistentPairsComeBeforeLargerOffsetsThatAreNot) {
+  Result result = testing::small_result();
+  result.pairs[0].verdict.verdict = Verdict::kUnverified;
+  result.pairs[0].verdict.offset_m = 9.0;
+  const std::string text = summary(result);
+  EXPECT_LT(line_with(text, "! a/1 <- b/1"), line_with(text, "? a/1 <- a/2"));
+}
+
+TEST(Summary, CountsPairsByKind) {
+  const std::string text = summary(testing::small_result());
+  EXPECT_THAT(text, HasSubstr("  sequential       1            1             0           0\n"));
+  EXPECT_THAT(text, HasSubstr("  global           2            0             1           1\n"));
+  EXPECT_THAT(text, HasSubstr("Unverified  1 x too little overlap\n"));
+  EXPECT_THAT(text, HasSubstr("  1 more of 3 neighbouring pairs overlap too little"));
+}
+
+TEST(Summary, ReasonsThatDifferInNumbersAreCountedTogether) {
+  Result result = testing::result_of({{"a", 4}});
+  testing::add_empty_pair(result, 1, 0).verdict.reason = "offset 3.1 cm (2.0 to 4.2 cm): too uncertain";
+  testing::add_empty_pair(result, 2, 0).verdict.reason = "offset 13.1 cm (9.0 to 24.2 cm): too uncertain";
+  testing::add_empty_pair(result, 3, 0).verdict.reason = "too little overlap: 7 % match; moved by 1.5 m, more would";
+  const std::string text = summary(result);
+  EXPECT_THAT(text, HasSubstr("Unverified  2 x too uncertain\n            1 x too little overlap: .. % match\n"));
+}
+
+TEST(Summary, SaysWhatTheCertificateLeavesOut) {
+  Result result = testing::small_result();
+  EXPECT_THAT(summary(result), HasSubstr("Certified   consistent to 0.22 m at 95 %; says nothing about 1 of"));
+  result.system.certificate_m.reset();
+  EXPECT_THAT(summary(result), HasSubstr("Certified   none"));
+}
+
+TEST(Summary, NamesRobotsThatNeverMeet) {
+  Result result = testing::result_of({{"a", 2}, {"b", 1}, {"c", 1}});
+  testing::add_measured_pair(result, 1, 0);
+  testing::add_measured_pair(result, 2, 0);
+  const std::string text = summary(result);
+  EXPECT_THAT(text, HasSubstr("Never meet  a and c; b and c\n"));
+  EXPECT_THAT(text, HasSubstr("Next        send robots that never meet"));
+}
+
+TEST(Summary, SaysSoWhenThereWasNothingToCompare) {
+  const Result result = testing::result_of({{"a", 1}});
+  EXPECT_THAT(summary(result), Not(HasSubstr("Pairs")));
+  EXPECT_THAT(summary(result), HasSubstr("Next        a map can only be compared with itself where"));
+}
+
+TEST(Summary, ColoursOnlyWhenAskedAndOnlyTheVerdict) {
+  const Result result = testing::small_result();
+  EXPECT_THAT(summary(result), Not(HasSubstr("\x1b")));
+  SummaryOptions options;
+  options.colour = true;
+  EXPECT_THAT(summary(result, options), StartsWith("\x1b[1;31mINCONSISTENT\x1b[0m: 1 of 3"));
+}
+
+TEST(Summary, HoldsNoBytesThatSteerATerminal) {
+  Result result = testing::result_of({{"a\x1b[2J", 2}});
+  testing::add_measured_pair(result, 1, 0);
+  EXPECT_THAT(summary(result), Not(HasSubstr("\x1b")));
+}
+
+}  // namespace
+}  // namespace kilter

@@ -1,0 +1,84 @@
+// SPDX-FileCopyrightText: The kilter authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "kilter/base/option_table.h"
+#include "kilter/consistency/gamma.h"
+#include "kilter/matching/conflict.h"
+#include "kilter/registration/registration.h"
+#include "kilter/verification/verdict.h"
+
+namespace kilter {
+
+/// What a pair or a map has to show for a verdict.
+struct JudgeOptions {
+  double tolerance_m = 0.1;            ///< disagreement that the user can live with. [m]
+  double alpha = 0.01;                 ///< false-discovery level of `inconsistent` over the map
+  double prior_inconsistent = 0.05;    ///< share of pairs believed inconsistent before looking
+  double min_decided = 0.5;            ///< of the overlapping pairs of each kind and each two robots
+};
+
+[[nodiscard]] std::vector<OptionField> fields(JudgeOptions& options);
+
+/// The pair at one relative pose.
+struct PoseEvidence {
+  std::optional<PairScore> score;   ///< Gamma's or Theta's; absent below the gate
+  std::size_t matched = 0;          ///< the smaller of both ways
+  double overlap = 0.0;             ///< the larger of both ways
+  double mean_distance_m = 0.0;     ///< mean of d_e over the matched voxels, both ways
+  ConflictSample conflict;
+};
+
+/// All that was measured on one pair.
+struct PairEvidence {
+  PairId id;
+  PairKind kind = PairKind::kSequential;
+  bool overlaps = false;            ///< passes the gates on matched count and fraction at the map's pose
+  std::string gate;                 ///< what fails, if it does not overlap
+  Pose3 T_target_source;            ///< the map's
+  PoseEvidence map;
+  std::optional<RegistrationResult> registration;  ///< absent if it was not tried
+  std::optional<PoseEvidence> registered;          ///< absent if it did not converge
+};
+
+/// What pairs of this map look like when nothing is wrong: medians over the sequential pairs, which survive a fifth of
+/// bad ones; over all pairs where fewer than two sequential ones were registered.
+struct MapNull {
+  double log10_gamma = 0.0;         ///< at the map's pose
+  double log10_theta = 0.0;         ///< once registered
+  double log10_theta_spread = 0.0;  ///< 1.4826 times the median absolute deviation
+  double conflict = 0.0;            ///< share that conflicts once registered
+  double conflict_spread = 0.0;
+  std::size_t pairs = 0;            ///< how many stand behind it
+};
+
+[[nodiscard]] MapNull estimate_null(std::span<const PairEvidence> pairs);
+
+/// First judge: the displacement found by registration against the tolerance, believed only if registration made the
+/// pair agree better and left no more conflict than other pairs of the map show (steps F10-F12). `inconsistent` is
+/// decided later, over the map, by judge_map: until then such pairs are kUnverified with a small p_value.
+[[nodiscard]] PairVerdict judge_pair(const PairEvidence& pair, const MapNull& null, const JudgeOptions& options);
+
+/// A pair as judge_map needs it.
+struct JudgedPair {
+  PairId id;
+  PairKind kind = PairKind::kSequential;
+  bool overlaps = false;
+  int source_robot = 0;
+  int target_robot = 0;
+  PairVerdict verdict;
+};
+
+/// Decides which pairs are inconsistent with the false-discovery level held over the map (Benjamini-Hochberg on the
+/// p-values), then the map: inconsistent if any pair is; consistent if none is and, for each kind present and each two
+/// robots, at least min_decided of the overlapping pairs were decided; otherwise undetermined. Eq. (6)-(7) as log
+/// sums. Changes the verdicts of `pairs` in place.
+[[nodiscard]] MapVerdict judge_map(std::vector<JudgedPair>& pairs, std::span<const std::string> robots,
+                                   const JudgeOptions& options);
+
+}  // namespace kilter

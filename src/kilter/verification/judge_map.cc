@@ -1,0 +1,174 @@
+// SPDX-FileCopyrightText: The kilter authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "kilter/verification/judge.h"
+
+namespace kilter {
+namespace {
+
+// Benjamini-Hochberg: the largest p that is still a discovery at level alpha, or a negative number.
+double discovery_threshold(std::vector<double> p_values, double alpha) {
+  std::sort(p_values.begin(), p_values.end());
+  for (std::size_t k = p_values.size(); k > 0; --k) {
+    if (p_values[k - 1] <= alpha * static_cast<double>(k) / static_cast<double>(p_values.size())) return p_values[k - 1];
+  }
+  return -1.0;
+}
+
+void decide_inconsistent(std::vector<JudgedPair>& pairs, const JudgeOptions& options) {
+  std::vector<double> p_values;
+  for (const JudgedPair& pair : pairs) {
+    if (pair.verdict.p_value) p_values.push_back(*pair.verdict.p_value);
+  }
+  const double threshold = discovery_threshold(p_values, options.alpha);
+  for (JudgedPair& pair : pairs) {
+    if (!pair.verdict.p_value || *pair.verdict.p_value > threshold) continue;
+    pair.verdict.verdict = Verdict::kInconsistent;
+    const auto& interval = *pair.verdict.offset_interval_m;
+    pair.verdict.reason = fmt::format("offset {:.1f} cm ({:.1f} to {:.1f} cm): above the tolerance of {:.1f} cm",
+                                      100.0 * *pair.verdict.offset_m, 100.0 * interval[0], 100.0 * interval[1],
+                                      100.0 * options.tolerance_m);
+  }
+}
+
+std::string robots_key(const JudgedPair& pair, std::span<const std::string> robots) {
+  const int first = std::min(pair.source_robot, pair.target_robot);
+  const int second = std::max(pair.source_robot, pair.target_robot);
+  return robots[static_cast<std::size_t>(first)] + "," + robots[static_cast<std::size_t>(second)];
+}
+
+// Eq. (6)-(7).
+LogProbability sum_log_probability(const std::vector<JudgedPair>& pairs, std::span<const std::string> robots) {
+  LogProbability sums;
+  double total = 0.0;
+  std::size_t count = 0;
+  for (const JudgedPair& pair : pairs) {
+    if (!pair.verdict.log_odds) continue;
+    // log(1 - p) = -log(1 + exp(log odds)), without losing it where p is close to 1.
+    const double odds = *pair.verdict.log_odds;
+    const double term = odds > 0.0 ? -odds - std::log1p(std::exp(-odds)) : -std::log1p(std::exp(odds));
+    total += term;
+    ++count;
+    switch (pair.kind) {
+      case PairKind::kSequential:
+        sums.sequential[robots[static_cast<std::size_t>(pair.source_robot)]] += term;
+        break;
+      case PairKind::kLocal:
+        sums.local[robots[static_cast<std::size_t>(pair.source_robot)]] += term;
+        break;
+      case PairKind::kGlobal:
+        sums.global[robots_key(pair, robots)] += term;
+        break;
+    }
+  }
+  if (count > 0) {
+    sums.total = total;
+    sums.per_pair = total / static_cast<double>(count);
+  }
+  return sums;
+}
+
+struct Share {
+  std::size_t decided = 0;
+  std::size_t overlapping = 0;
+  void add(const JudgedPair& pair) {
+    overlapping += 1;
+    decided += pair.verdict.verdict == Verdict::kUnverified ? 0 : 1;
+  }
+  [[nodiscard]] double value() const {
+    return overlapping == 0 ? 0.0 : static_cast<double>(decided) / static_cast<double>(overlapping);
+  }
+};
+
+DecidedShares decided_shares(const std::vector<JudgedPair>& pairs, std::span<const std::string> robots) {
+  Share sequential;
+  Share local;
+  std::map<std::string, Share> global;
+  for (std::size_t a = 0; a < robots.size(); ++a) {
+    for (std::size_t b = a + 1; b < robots.size(); ++b) global[robots[a] + "," + robots[b]];
+  }
+  for (const JudgedPair& pair : pairs) {
+    if (!pair.overlaps) continue;
+    if (pair.kind == PairKind::kSequential) sequential.add(pair);
+    if (pair.kind == PairKind::kLocal) local.add(pair);
+    if (pair.kind == PairKind::kGlobal) global[robots_key(pair, robots)].add(pair);
+  }
+  DecidedShares shares;
+  const bool has_sequential =
+      std::any_of(pairs.begin(), pairs.end(), [](const auto& pair) { return pair.kind == PairKind::kSequential; });
+  if (has_sequential) shares.sequential = sequential.value();
+  if (local.overlapping > 0) shares.local = local.value();
+  for (const auto& [key, share] : global) shares.global[key] = share.value();
+  return shares;
+}
+
+// Why too little was decided; empty if enough was.
+std::string undecided(const DecidedShares& shares, const std::vector<JudgedPair>& pairs,
+                      std::span<const std::string> robots, const JudgeOptions& options) {
+  if (pairs.empty()) return "nothing to compare: no two submaps could show the same place";
+  const auto too_few = [&](double share) { return share < options.min_decided; };
+  for (const auto& [key, share] : shares.global) {
+    if (!too_few(share)) continue;
+    const bool meet = std::any_of(pairs.begin(), pairs.end(), [&](const JudgedPair& pair) {
+      return pair.overlaps && pair.kind == PairKind::kGlobal && robots_key(pair, robots) == key;
+    });
+    const std::string names = fmt::format("{} and {}", printable(key.substr(0, key.find(','))),
+                                          printable(key.substr(key.find(',') + 1)));
+    return meet ? fmt::format("only {:.0f} % of what robots {} both saw could be decided", 100.0 * share, names)
+                : fmt::format("robots {} never meet", names);
+  }
+  if (shares.sequential && too_few(*shares.sequential)) {
+    return fmt::format("only {:.0f} % of the overlapping sequential pairs could be decided", 100.0 * *shares.sequential);
+  }
+  if (shares.local && too_few(*shares.local)) {
+    return fmt::format("only {:.0f} % of the overlapping local pairs could be decided", 100.0 * *shares.local);
+  }
+  return {};
+}
+
+// Upper 95 % bounds of all decided pairs; the others that overlap are named as excluded.
+void certify(const std::vector<JudgedPair>& pairs, MapVerdict& map) {
+  for (const JudgedPair& pair : pairs) {
+    if (pair.verdict.verdict == Verdict::kUnverified) {
+      if (pair.overlaps) map.certificate_excludes.push_back(pair.id);
+      continue;
+    }
+    map.certificate_m = std::max(map.certificate_m.value_or(0.0), (*pair.verdict.offset_interval_m)[1]);
+  }
+}
+
+}  // namespace
+
+MapVerdict judge_map(std::vector<JudgedPair>& pairs, std::span<const std::string> robots, const JudgeOptions& options) {
+  decide_inconsistent(pairs, options);
+  MapVerdict map;
+  map.log_probability = sum_log_probability(pairs, robots);
+  map.decided = decided_shares(pairs, robots);
+  map.tested = pairs.size();
+  for (const JudgedPair& pair : pairs) {
+    map.inconsistent += pair.verdict.verdict == Verdict::kInconsistent ? 1 : 0;
+    map.unverified += pair.verdict.verdict == Verdict::kUnverified ? 1 : 0;
+  }
+  certify(pairs, map);
+  const std::string missing = undecided(map.decided, pairs, robots, options);
+  if (map.inconsistent > 0) {
+    map.state = MapState::kInconsistent;
+    map.reason = fmt::format("{} of {} pairs disagree by more than {:.1f} cm", map.inconsistent, map.tested,
+                             100.0 * options.tolerance_m);
+  } else if (!missing.empty()) {
+    map.state = MapState::kUndetermined;
+    map.reason = missing;
+  } else {
+    map.state = MapState::kConsistent;
+    map.reason = fmt::format("no pair disagrees by more than {:.1f} cm, and enough were decided",
+                             100.0 * options.tolerance_m);
+  }
+  return map;
+}
+
+}  // namespace kilter

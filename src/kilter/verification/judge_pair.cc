@@ -1,0 +1,206 @@
+// SPDX-FileCopyrightText: The kilter authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "kilter/numerics/special.h"
+#include "kilter/verification/judge.h"
+#include "kilter/verification/offset.h"
+
+namespace kilter {
+namespace {
+
+// Equivalence is claimed when the posterior leaves this much for a disagreement above the tolerance.
+constexpr double kConsistentTail = 0.05;
+// A fit that loses over a fifth of the overlap found something else.
+constexpr double kOverlapKept = 0.8;
+// Conflict this many spreads above the map's own good pairs, and never below these shares, is out of line.
+constexpr double kConflictSpreads = 4.0;
+constexpr double kConflictSlack = 0.03;
+// Theta this many spreads below the map's own, and at least this many decades, is out of line.
+constexpr double kThetaSpreads = 3.0;
+constexpr double kThetaSlack = 0.3;
+// Never sure beyond this, whatever the Gaussian tail says: the model is only a model.
+constexpr double kMaxLogOdds = 30.0;
+// Registration always moves a little; the fit must gain at least this share of the mean distance to count as better.
+constexpr double kLeastGain = 0.05;
+
+double median_of(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+struct Typical {
+  double median = 0.0;
+  double spread = 0.0;
+};
+
+Typical typical_of(const std::vector<double>& values) {
+  if (values.empty()) return {};
+  Typical typical{median_of(values), 0.0};
+  std::vector<double> deviations;
+  for (const double value : values) deviations.push_back(std::abs(value - typical.median));
+  typical.spread = 1.4826 * median_of(deviations);
+  return typical;
+}
+
+double conflict_limit(const MapNull& null) {
+  return null.conflict + std::max(kConflictSpreads * null.conflict_spread, kConflictSlack);
+}
+
+// Without free space only the distances can tell that registration settled in the wrong place (step F11).
+double theta_limit(const MapNull& null) {
+  return null.log10_theta - std::max(kThetaSpreads * null.log10_theta_spread, kThetaSlack);
+}
+
+bool fit_improved(const PairEvidence& pair) {
+  const PoseEvidence& before = pair.map;
+  const PoseEvidence& after = *pair.registered;
+  return after.mean_distance_m < (1.0 - kLeastGain) * before.mean_distance_m ||
+         after.conflict.share() + 0.01 < before.conflict.share();
+}
+
+void note_measurements(const PairEvidence& pair, const MapNull& null, PairVerdict& verdict) {
+  if (pair.map.score && pair.map.score->log10_gamma) {
+    verdict.evidence["log10_gamma"] = {pair.map.score->log10_gamma, null.log10_gamma, std::nullopt};
+  }
+  if (pair.map.matched > 0) verdict.evidence["mean_distance_m"].value = pair.map.mean_distance_m;
+  if (pair.map.conflict.known() > 0) {
+    verdict.evidence["conflict"] = {pair.map.conflict.share(), null.conflict, std::nullopt};
+  }
+  if (pair.registered) {
+    verdict.evidence["mean_distance_m"].null = pair.registered->mean_distance_m;
+    if (pair.registered->conflict.known() > 0) {
+      verdict.evidence["conflict_registered"] = {pair.registered->conflict.share(), null.conflict, std::nullopt};
+    }
+  }
+}
+
+void note_offset(const OffsetEstimate& offset, const JudgeOptions& options, PairVerdict& verdict) {
+  verdict.offset_m = offset.offset_m;
+  verdict.offset_rad = offset.offset_rad;
+  verdict.offset_vector_m = offset.vector_m;
+  verdict.offset_interval_m = {std::min(offset_quantile_m(offset.measured, 0.975), offset.offset_m),
+                               std::max(offset_quantile_m(offset.measured, 0.025), offset.offset_m)};
+  verdict.minimum_detectable_m = offset.minimum_detectable_m;
+  const LogTails tails = log_tails(offset.with_prior, options.tolerance_m);
+  const double log_ratio = std::clamp(tails.above - tails.below, -kMaxLogOdds, kMaxLogOdds);
+  verdict.evidence["displacement"] = {offset.offset_m, options.tolerance_m, log_ratio};
+  const double prior = std::log(options.prior_inconsistent / (1.0 - options.prior_inconsistent));
+  verdict.log_odds = std::clamp(log_ratio + prior, -kMaxLogOdds, kMaxLogOdds);
+  verdict.p_inconsistent = 1.0 / (1.0 + std::exp(-*verdict.log_odds));
+  verdict.p_value = std::exp(log_normal_tail((offset.offset_m - options.tolerance_m) / offset.sigma_m));
+}
+
+std::string in_cm(double metres) { return fmt::format("{:.1f} cm", 100.0 * metres); }
+
+// Why the registered pose cannot be believed; empty if it can.
+std::string doubt(const PairEvidence& pair, const MapNull& null) {
+  const PoseEvidence& after = *pair.registered;
+  if (after.overlap < kOverlapKept * pair.map.overlap) {
+    return fmt::format("registration lost overlap ({:.0f} % to {:.0f} %): the places may differ",
+                       100.0 * pair.map.overlap, 100.0 * after.overlap);
+  }
+  if (after.conflict.known() > 0 && after.conflict.share() > conflict_limit(null)) {
+    return fmt::format(
+        "after registration {:.0f} % of what both saw still conflicts (typical of this map: {:.0f} %): the places "
+        "differ, or registration settled in the wrong place",
+        100.0 * after.conflict.share(), 100.0 * null.conflict);
+  }
+  if (after.conflict.known() == 0 && after.score && after.score->log10_gamma &&
+      *after.score->log10_gamma < theta_limit(null)) {
+    return fmt::format(
+        "after registration it agrees worse than other pairs of this map (log10 Theta {:.2f}, typically {:.2f}), and "
+        "points alone cannot say why",
+        *after.score->log10_gamma, null.log10_theta);
+  }
+  return {};
+}
+
+}  // namespace
+
+std::vector<OptionField> fields(JudgeOptions& o) {
+  return {
+      real_option("tolerance", o.tolerance_m, Unit::kMetre, 0.001, 100.0,
+                  "Disagreement (RMS displacement over what both submaps saw) that can be lived with."),
+      real_option("alpha", o.alpha, Unit::kRatio, 1e-9, 0.5,
+                  "False-discovery level of `inconsistent` verdicts over the map."),
+      real_option("prior_inconsistent", o.prior_inconsistent, Unit::kRatio, 1e-6, 1.0 - 1e-6,
+                  "Share of pairs believed inconsistent before looking."),
+      real_option("min_decided", o.min_decided, Unit::kRatio, 0.0, 1.0,
+                  "Share of overlapping pairs, of each kind and each two robots, that must be decided for a consistent "
+                  "map."),
+  };
+}
+
+MapNull estimate_null(std::span<const PairEvidence> pairs) {
+  const auto registered_sequential = std::count_if(pairs.begin(), pairs.end(), [](const PairEvidence& pair) {
+    return pair.registered && pair.kind == PairKind::kSequential;
+  });
+  std::vector<double> gammas;
+  std::vector<double> thetas;
+  std::vector<double> conflicts;
+  MapNull null;
+  for (const PairEvidence& pair : pairs) {
+    if (!pair.registered || (registered_sequential >= 2 && pair.kind != PairKind::kSequential)) continue;
+    ++null.pairs;
+    if (pair.map.score && pair.map.score->log10_gamma) gammas.push_back(*pair.map.score->log10_gamma);
+    const std::optional<PairScore>& theta = pair.registered->score;
+    if (theta && theta->log10_gamma) thetas.push_back(*theta->log10_gamma);
+    if (pair.registered->conflict.known() > 0) conflicts.push_back(pair.registered->conflict.share());
+  }
+  null.log10_gamma = typical_of(gammas).median;
+  const Typical theta = typical_of(thetas);
+  null.log10_theta = theta.median;
+  null.log10_theta_spread = theta.spread;
+  const Typical conflict = typical_of(conflicts);
+  null.conflict = conflict.median;
+  null.conflict_spread = conflict.spread;
+  return null;
+}
+
+PairVerdict judge_pair(const PairEvidence& pair, const MapNull& null, const JudgeOptions& options) {
+  PairVerdict verdict;
+  note_measurements(pair, null, verdict);
+  if (!pair.overlaps) {
+    verdict.reason = pair.gate;
+    return verdict;
+  }
+  if (!pair.registration || !pair.registration->converged() || !pair.registered) {
+    verdict.reason = fmt::format("registration failed: {}", pair.registration ? to_string(pair.registration->stop)
+                                                                              : std::string_view("not tried"));
+    return verdict;
+  }
+  verdict.unobservable = pair.registration->unobservable;
+  const OffsetEstimate offset = estimate_offset(*pair.registration, pair.T_target_source);
+  note_offset(offset, options, verdict);
+  const std::string measured = fmt::format("offset {} ({} to {})", in_cm(offset.offset_m),
+                                           in_cm((*verdict.offset_interval_m)[0]), in_cm((*verdict.offset_interval_m)[1]));
+  const std::string why_not = doubt(pair, null);
+  const bool beyond = offset.offset_m > options.tolerance_m;
+  if (!why_not.empty()) {
+    verdict.reason = fmt::format("{}; {}", measured, why_not);
+    verdict.p_value.reset();
+  } else if (beyond && !fit_improved(pair)) {
+    verdict.reason = fmt::format("{}, but the pair agrees no better there", measured);
+    verdict.p_value.reset();
+  } else if (beyond) {
+    verdict.reason = fmt::format("{}: not told from the tolerance of {} over the whole map", measured,
+                                 in_cm(options.tolerance_m));
+  } else if (log_tails(offset.with_prior, options.tolerance_m).above <= std::log(kConsistentTail)) {
+    verdict.verdict = Verdict::kConsistent;
+    verdict.reason = fmt::format("{}: below the tolerance of {}", measured, in_cm(options.tolerance_m));
+  } else if (log_tails(offset.measured, options.tolerance_m).above <= std::log(kConsistentTail)) {
+    verdict.reason = fmt::format("{}, but a direction that nothing in the scene fixes could hide {}", measured,
+                                 in_cm(2.0 * offset.hidden_sigma_m));
+  } else {
+    verdict.reason = fmt::format("{}: too uncertain to be told from the tolerance of {}", measured,
+                                 in_cm(options.tolerance_m));
+  }
+  return verdict;
+}
+
+}  // namespace kilter

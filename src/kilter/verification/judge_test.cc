@@ -1,0 +1,174 @@
+// SPDX-FileCopyrightText: The kilter authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "kilter/verification/judge.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace kilter {
+namespace {
+
+const std::vector<std::string> kRobots = {"a", "b"};
+
+// A well-matched pair whose registration moved it by `offset_m` along x with the given certainty.
+PairEvidence pair_moved(double offset_m, double sigma_m, PairKind kind = PairKind::kGlobal, int source = 1) {
+  PairEvidence pair;
+  pair.id = {{source}, {0}};
+  pair.kind = kind;
+  pair.overlaps = true;
+  pair.map.matched = 5000;
+  pair.map.overlap = 0.6;
+  pair.map.mean_distance_m = 0.05 + offset_m;
+  pair.map.conflict = {{1000, 20}, {1000, 20}};
+  RegistrationResult registration;
+  registration.stop = StopReason::kConverged;
+  registration.T_target_source = Pose3::from_translation(offset_m, 0.0, 0.0);
+  registration.scatter_m2 = Eigen::Vector3d(9.0, 9.0, 1.0).asDiagonal();
+  Vector6 variances = Vector6::Constant(1e-6);
+  variances.head<3>().setConstant(sigma_m * sigma_m);
+  registration.covariance_measured = variances.asDiagonal();
+  registration.covariance_centre = registration.covariance_measured;
+  pair.registration = registration;
+  pair.registered = pair.map;
+  pair.registered->mean_distance_m = 0.05;
+  return pair;
+}
+
+JudgedPair judged(const PairEvidence& pair, const JudgeOptions& options = {}) {
+  return {pair.id, pair.kind, pair.overlaps, pair.kind == PairKind::kGlobal ? 1 : 0, 0,
+          judge_pair(pair, {2.0, 2.0, 0.1, 0.02, 0.01, 10}, options)};
+}
+
+Verdict verdict_of(const PairEvidence& pair, const JudgeOptions& options = {}) {
+  std::vector<JudgedPair> pairs = {judged(pair, options)};
+  (void)judge_map(pairs, kRobots, options);
+  return pairs[0].verdict.verdict;
+}
+
+TEST(JudgePair, OffsetAgainstToleranceDecides) {
+  EXPECT_EQ(verdict_of(pair_moved(0.20, 0.01)), Verdict::kInconsistent);
+  EXPECT_EQ(verdict_of(pair_moved(0.05, 0.01)), Verdict::kConsistent);
+  EXPECT_EQ(verdict_of(pair_moved(0.05, 0.005), {.tolerance_m = 0.03}), Verdict::kInconsistent);
+  EXPECT_EQ(verdict_of(pair_moved(0.10, 0.01)), Verdict::kUnverified);
+  EXPECT_EQ(verdict_of(pair_moved(0.05, 0.10)), Verdict::kUnverified);
+}
+
+TEST(JudgePair, OffsetIsReportedWhateverTheVerdict) {
+  const PairVerdict verdict = judge_pair(pair_moved(0.05, 0.01), {}, {});
+  EXPECT_NEAR(*verdict.offset_m, 0.05, 1e-9);
+  EXPECT_LE((*verdict.offset_interval_m)[0], 0.05);
+  EXPECT_GE((*verdict.offset_interval_m)[1], 0.05);
+  EXPECT_LT(*verdict.p_inconsistent, 0.05);
+  EXPECT_GT(*verdict.minimum_detectable_m, 0.0);
+}
+
+TEST(JudgePair, WithoutOverlapItIsNeverDecided) {
+  PairEvidence pair = pair_moved(0.0, 0.01);
+  pair.overlaps = false;
+  pair.gate = "too little overlap";
+  EXPECT_EQ(judge_pair(pair, {}, {}).verdict, Verdict::kUnverified);
+  EXPECT_EQ(judge_pair(pair, {}, {}).reason, "too little overlap");
+  EXPECT_FALSE(judge_pair(pair, {}, {}).offset_m.has_value());
+}
+
+TEST(JudgePair, FailedRegistrationIsUnverifiedAndSaysHow) {
+  PairEvidence pair = pair_moved(0.0, 0.01);
+  pair.registration->stop = StopReason::kMaxIterations;
+  pair.registered.reset();
+  const PairVerdict verdict = judge_pair(pair, {}, {});
+  EXPECT_EQ(verdict.verdict, Verdict::kUnverified);
+  EXPECT_NE(verdict.reason.find("did not settle"), std::string::npos);
+}
+
+TEST(JudgePair, AnOptimumThatStillConflictsIsNotBelieved) {
+  PairEvidence pair = pair_moved(0.02, 0.01);
+  pair.registered->conflict = {{1000, 300}, {1000, 300}};
+  EXPECT_EQ(verdict_of(pair), Verdict::kUnverified);
+  PairEvidence lost = pair_moved(0.3, 0.01);
+  lost.registered->overlap = 0.3;
+  EXPECT_EQ(verdict_of(lost), Verdict::kUnverified);
+  PairEvidence no_better = pair_moved(0.3, 0.01);
+  no_better.registered->mean_distance_m = no_better.map.mean_distance_m;
+  EXPECT_EQ(verdict_of(no_better), Verdict::kUnverified);
+}
+
+TEST(JudgePair, PointsAloneMustAgreeAsWellAsTheMapsOtherPairs) {
+  PairEvidence pair = pair_moved(0.01, 0.01);
+  pair.registered->conflict = {};
+  PairScore score;
+  score.log10_gamma = 1.9;
+  pair.registered->score = score;
+  EXPECT_EQ(verdict_of(pair), Verdict::kConsistent);
+  pair.registered->score->log10_gamma = 1.2;
+  EXPECT_EQ(verdict_of(pair), Verdict::kUnverified);
+}
+
+TEST(JudgePair, WhatAnUnobservableDirectionCouldHideForbidsConsistent) {
+  PairEvidence pair = pair_moved(0.01, 0.01);
+  pair.registration->covariance_centre(0, 0) += 0.5 * 0.5;
+  pair.registration->unobservable.emplace_back(Vector6::Unit(0));
+  EXPECT_EQ(verdict_of(pair), Verdict::kUnverified);
+  EXPECT_NE(judged(pair).verdict.reason.find("nothing in the scene fixes"), std::string::npos);
+}
+
+TEST(JudgeMap, OneBadPairMakesTheMapInconsistent) {
+  std::vector<JudgedPair> pairs;
+  for (int i = 1; i < 20; ++i) pairs.push_back(judged(pair_moved(0.02, 0.01, PairKind::kGlobal, i)));
+  pairs.push_back(judged(pair_moved(0.40, 0.02, PairKind::kGlobal, 20)));
+  const MapVerdict map = judge_map(pairs, kRobots, {});
+  EXPECT_EQ(map.state, MapState::kInconsistent);
+  EXPECT_EQ(map.inconsistent, 1U);
+  EXPECT_EQ(map.tested, 20U);
+  EXPECT_GT(*map.certificate_m, 0.4);
+  EXPECT_LT(map.log_probability.global.at("a,b"), -20.0);
+}
+
+TEST(JudgeMap, RobotsThatNeverMeetLeaveItUndetermined) {
+  std::vector<JudgedPair> pairs = {judged(pair_moved(0.01, 0.01, PairKind::kSequential))};
+  const MapVerdict map = judge_map(pairs, kRobots, {});
+  EXPECT_EQ(map.state, MapState::kUndetermined);
+  EXPECT_NE(map.reason.find("a and b never meet"), std::string::npos);
+  EXPECT_EQ(map.decided.global.at("a,b"), 0.0);
+  EXPECT_EQ(*map.decided.sequential, 1.0);
+  EXPECT_FALSE(map.decided.local.has_value());
+}
+
+TEST(JudgeMap, EnoughDecidedPairsMakeItConsistent) {
+  std::vector<JudgedPair> pairs = {judged(pair_moved(0.01, 0.01, PairKind::kSequential)),
+                                   judged(pair_moved(0.03, 0.01, PairKind::kGlobal, 2))};
+  const MapVerdict map = judge_map(pairs, kRobots, {});
+  EXPECT_EQ(map.state, MapState::kConsistent);
+  EXPECT_LT(*map.certificate_m, 0.1);
+  EXPECT_GT(*map.log_probability.total, -0.2);
+}
+
+TEST(JudgeMap, TooManyUndecidedPairsLeaveItUndetermined) {
+  std::vector<JudgedPair> pairs = {judged(pair_moved(0.01, 0.01)), judged(pair_moved(0.05, 0.2, PairKind::kGlobal, 2)),
+                                   judged(pair_moved(0.05, 0.2, PairKind::kGlobal, 3))};
+  const MapVerdict map = judge_map(pairs, kRobots, {});
+  EXPECT_EQ(map.state, MapState::kUndetermined);
+  EXPECT_EQ(map.certificate_excludes.size(), 2U);
+}
+
+TEST(JudgeMap, NothingToCompareIsUndetermined) {
+  std::vector<JudgedPair> none;
+  const std::vector<std::string> one = {"a"};
+  const MapVerdict map = judge_map(none, one, {});
+  EXPECT_EQ(map.state, MapState::kUndetermined);
+  EXPECT_FALSE(map.log_probability.total.has_value());
+  EXPECT_FALSE(map.certificate_m.has_value());
+}
+
+TEST(EstimateNull, SurvivesAFifthOfBadSequentialPairs) {
+  std::vector<PairEvidence> pairs;
+  for (int i = 0; i < 20; ++i) {
+    PairEvidence pair = pair_moved(0.01, 0.01, PairKind::kSequential, i + 1);
+    if (i % 5 == 0) pair.registered->conflict = {{1000, 500}, {1000, 500}};
+    pairs.push_back(pair);
+  }
+  EXPECT_NEAR(estimate_null(pairs).conflict, 0.02, 1e-12);
+}
+
+}  // namespace
+}  // namespace kilter

@@ -1,0 +1,93 @@
+// SPDX-FileCopyrightText: The kilter authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "kilter/verification/offset.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+#include "kilter/base/contract.h"
+#include "kilter/numerics/special.h"
+
+namespace kilter {
+namespace {
+
+// Two one-sided 5 % points of the normal law: told from zero at 5 %, found with 95 %.
+constexpr double kDetection = 1.6448536269514722 + 1.6448536269514722;
+
+Matrix6 displacement_form(const Eigen::Matrix3d& scatter_m2) {
+  Matrix6 M = Matrix6::Identity();
+  M.bottomRightCorner<3, 3>() = scatter_m2.trace() * Eigen::Matrix3d::Identity() - scatter_m2;
+  return M;
+}
+
+OffsetEstimate::SquareLaw square_law(const Vector6& x, const Matrix6& M, const Matrix6& covariance) {
+  const Matrix6 MC = M * covariance;
+  return {x.dot(M * x) + MC.trace(), 2.0 * (MC * MC).trace() + 4.0 * x.dot(MC * (M * x))};
+}
+
+double largest_sigma_m(const Matrix6& M, const Matrix6& covariance) {
+  const Eigen::SelfAdjointEigenSolver<Matrix6> solver(M);
+  const Matrix6 root =
+      solver.eigenvectors() * solver.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal() * solver.eigenvectors().transpose();
+  const Eigen::SelfAdjointEigenSolver<Matrix6> spread(root * covariance * root);
+  return std::sqrt(std::max(spread.eigenvalues().maxCoeff(), 0.0));
+}
+
+// Degrees of freedom of the scaled chi-square, and the limit as a standard normal deviate (Wilson-Hilferty).
+double normal_deviate(const OffsetEstimate::SquareLaw& law, double limit_m) {
+  const double share = law.variance_m4 / (9.0 * law.mean_m2 * law.mean_m2);  // 2 / (9 nu)
+  return (std::cbrt(limit_m * limit_m / law.mean_m2) - (1.0 - share)) / std::sqrt(share);
+}
+
+// Inverse of the normal tail by bisection on log_normal_tail; called a few times a pair.
+double deviate_of_tail(double tail) {
+  double low = -40.0;
+  double high = 40.0;
+  for (int i = 0; i < 80; ++i) {
+    const double middle = 0.5 * (low + high);
+    (log_normal_tail(middle) > std::log(tail) ? low : high) = middle;
+  }
+  return 0.5 * (low + high);
+}
+
+}  // namespace
+
+OffsetEstimate estimate_offset(const RegistrationResult& registration, const Pose3& T_target_source_map) {
+  KILTER_EXPECTS(registration.converged());
+  const Pose3 moved = registration.T_target_source * T_target_source_map.inverse();
+  // The centre was found at the registered pose; the same place in the map's pose is where the motion starts.
+  const Eigen::Vector3d start_m = moved.inverse() * registration.centre_target_m;
+  Vector6 x;
+  x.head<3>() = registration.centre_target_m - start_m;
+  x.tail<3>() = moved.log().tail<3>();
+  const Matrix6 M = displacement_form(registration.scatter_m2);
+  OffsetEstimate estimate;
+  estimate.offset_m = std::sqrt(x.dot(M * x));
+  estimate.offset_rad = x.tail<3>().norm();
+  estimate.vector_m = x.head<3>();
+  estimate.measured = square_law(x, M, registration.covariance_measured);
+  estimate.with_prior = square_law(x, M, registration.covariance_centre);
+  const double largest_m = largest_sigma_m(M, registration.covariance_measured);
+  const double along_m4 = x.dot(M * registration.covariance_measured * M * x);
+  estimate.sigma_m = estimate.offset_m > 0.0 ? std::sqrt(std::max(along_m4, 0.0)) / estimate.offset_m : largest_m;
+  estimate.minimum_detectable_m = kDetection * largest_m;
+  estimate.hidden_sigma_m = std::sqrt(std::max(
+      (M * (registration.covariance_centre - registration.covariance_measured)).trace(), 0.0));
+  return estimate;
+}
+
+LogTails log_tails(const OffsetEstimate::SquareLaw& law, double limit_m) {
+  KILTER_EXPECTS(law.mean_m2 > 0.0 && law.variance_m4 > 0.0);
+  const double z = normal_deviate(law, limit_m);
+  return {log_normal_tail(z), log_normal_tail(-z)};
+}
+
+double offset_quantile_m(const OffsetEstimate::SquareLaw& law, double tail) {
+  KILTER_EXPECTS(tail > 0.0 && tail < 1.0);
+  const double share = law.variance_m4 / (9.0 * law.mean_m2 * law.mean_m2);
+  const double root = std::max(1.0 - share + deviate_of_tail(tail) * std::sqrt(share), 0.0);
+  return std::sqrt(law.mean_m2 * root * root * root);
+}
+
+}  // namespace kilter

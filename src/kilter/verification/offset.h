@@ -1,0 +1,48 @@
+// SPDX-FileCopyrightText: The kilter authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+
+#include "kilter/geometry/pose3.h"
+#include "kilter/registration/registration.h"
+
+namespace kilter {
+
+/// How far registration moves the places that both submaps saw, and how sure that is.
+///
+/// A motion (v, w) about the overlap's centre displaces a place at arm a by v + w x a; over all places the mean square
+/// is x^T M x with x = (v, w), M = diag(I, tr(S) I - S) and S the scatter of the places. `offset_m` is its root.
+struct OffsetEstimate {
+  double offset_m = 0.0;
+  double offset_rad = 0.0;
+  Eigen::Vector3d vector_m = Eigen::Vector3d::Zero();  ///< displacement at the centre, target axes
+  /// Mean and variance of x^T M x for x around the estimate: with what was measured, and with the prior's uncertainty
+  /// along unobservable directions on top. [m^2], [m^4]
+  struct SquareLaw {
+    double mean_m2 = 0.0;
+    double variance_m4 = 0.0;
+  };
+  SquareLaw measured;
+  SquareLaw with_prior;
+  double sigma_m = 0.0;  ///< standard deviation of the offset along the estimate (largest one at zero). [m]
+  double minimum_detectable_m = 0.0;  ///< 95 % sure to be told from zero at 5 %, in the worst observable direction
+  double hidden_sigma_m = 0.0;        ///< RMS displacement that unobservable directions could hide, one sigma. [m]
+};
+
+/// Precondition: the registration converged.
+[[nodiscard]] OffsetEstimate estimate_offset(const RegistrationResult& registration, const Pose3& T_target_source_map);
+
+/// ln P(offset > limit) and ln P(offset <= limit) under a law of the squared offset, by the Wilson-Hilferty
+/// cube-root form of a scaled chi-square with the same two moments.
+struct LogTails {
+  double above = 0.0;
+  double below = 0.0;
+};
+[[nodiscard]] LogTails log_tails(const OffsetEstimate::SquareLaw& law, double limit_m);
+
+/// Offset that is exceeded with probability `tail`, in (0, 1). [m]
+[[nodiscard]] double offset_quantile_m(const OffsetEstimate::SquareLaw& law, double tail);
+
+}  // namespace kilter

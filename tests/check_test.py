@@ -1,0 +1,291 @@
+# SPDX-FileCopyrightText: The kilter authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""`kilter check` from outside: verdicts and statuses, the files it leaves, and that it keeps what it promises of them."""
+
+from __future__ import annotations
+
+import csv
+import json
+import os
+import resource
+import signal
+import struct
+import subprocess
+import unittest
+from pathlib import Path
+
+import jsonschema
+from kilter_runner import SOURCE_DIR, kilter_binary, main, run_kilter
+from tiny_mission import TinyMission, read_result
+
+FILES = {"result.json", "pairs.csv", "gamma.csv", "theta.csv", "verified.csv", "constraints.g2o"}
+SCHEMA = json.loads((SOURCE_DIR / "docs" / "result.schema.json").read_text(encoding="utf-8"))
+
+
+def without_run(result: dict) -> dict:
+    return {key: value for key, value in result.items() if key != "run"}
+
+
+class CheckCase(unittest.TestCase):
+    """One mission for all tests of a class; each test has an output folder of its own."""
+
+    # Twice the default is as good where the numbers do not matter, and much quicker.
+    settings = ("--set", "resolution=0.2")
+
+    @classmethod
+    def setUpClass(cls) -> None:
+        cls.tiny = cls.enterClassContext(TinyMission())
+
+    def setUp(self) -> None:
+        self.out = self.tiny.folder / f"out-{self.id().rsplit('.', 1)[-1]}"
+
+    def check(self, *arguments: object, **keywords: object):
+        return run_kilter("check", self.tiny.mission, "-o", self.out, *self.settings, *arguments, **keywords)
+
+
+class Verdicts(CheckCase):
+    settings = ()
+
+    def test_the_planted_fault_is_found(self):
+        run = self.check()
+        self.assertEqual(run.status, 1, run.stderr)
+        self.assertTrue(run.stdout.startswith("INCONSISTENT: "), run.stdout)
+        result = read_result(self.out)
+        self.assertEqual(result["system"]["verdict"], "inconsistent")
+        pair = next(p for p in result["pairs"] if (p["target"], p["source"]) == ("b/1", "b/2"))
+        self.assertEqual(pair["verdict"], "inconsistent")
+        self.assertAlmostEqual(pair["offset_m"], 0.4, delta=0.03)
+
+    def test_the_same_scans_where_they_belong_are_consistent(self):
+        run = self.check("--poses", self.tiny.truth)
+        self.assertEqual(run.status, 0, run.stdout + run.stderr)
+        self.assertTrue(run.stdout.startswith("CONSISTENT: "), run.stdout)
+        self.assertIs(read_result(self.out)["system"]["consistent"], True)
+
+    def test_robots_that_never_meet_are_undetermined(self):
+        run = self.check("--poses", self.tiny.apart)
+        self.assertEqual(run.status, 4, run.stdout + run.stderr)
+        self.assertTrue(run.stdout.startswith("UNDETERMINED: "), run.stdout)
+        self.assertRegex(run.stdout, r"\nNever meet +a and b\n")
+        self.assertEqual(read_result(self.out)["system"]["decided"]["global"], {"a,b": 0})
+
+    def test_one_scan_alone_is_undetermined(self):
+        run = run_kilter("check", self.tiny.copy("one", scans=1), "-o", self.out)
+        self.assertEqual(run.status, 4, run.stderr)
+        self.assertEqual(read_result(self.out)["pairs"], [])
+
+    def test_a_larger_tolerance_lets_the_fault_pass(self):
+        run = self.check("--set", "tolerance=0.8")
+        self.assertEqual(run.status, 0, run.stdout)
+        self.assertEqual(read_result(self.out)["config"]["tolerance"], 0.8)
+
+    def test_the_seed_preset_runs_the_papers_registration(self):
+        run = self.check("--preset", "seed")
+        self.assertIn(run.status, (0, 1, 4), run.stderr)
+        result = read_result(self.out)
+        self.assertEqual(result["config"]["registration"], "oicp")
+        self.assertEqual(result["config"]["floor"], "none")
+        self.assertTrue(any(pair["theta_oicp"] is not None for pair in result["pairs"]))
+
+    def test_keys_come_from_a_file_and_the_command_line_wins(self):
+        config = self.tiny.folder / "keys.toml"
+        config.write_text('tolerance = "7 cm"\nmatched_min = 300\nfit = "mle"\n')
+        self.check("--config", config, "--set", "matched_min=250")
+        keys = read_result(self.out)["config"]
+        self.assertEqual((keys["tolerance"], keys["matched_min"], keys["fit"]), (0.07, 250, "mle"))
+
+
+class Files(CheckCase):
+    """What one run left, looked at from all sides."""
+
+    @classmethod
+    def setUpClass(cls) -> None:
+        super().setUpClass()
+        cls.out = cls.tiny.folder / "out"
+        run_kilter("check", cls.tiny.mission, "-o", cls.out, *cls.settings)
+        cls.result = read_result(cls.out)
+
+    def setUp(self) -> None:
+        """The folder of the class stays."""
+
+    def test_every_promised_file_is_there_and_nothing_else(self):
+        self.assertEqual({path.name for path in self.out.iterdir()}, FILES)
+
+    def test_nothing_but_the_run_tells_where_the_mission_lay(self):
+        self.assertNotIn(str(self.tiny.folder), json.dumps(without_run(self.result)))
+        for name in FILES - {"result.json"}:
+            self.assertNotIn(str(self.tiny.folder), (self.out / name).read_text(encoding="utf-8"), name)
+
+    def test_matrices_agree_with_the_result(self):
+        ids = [submap["id"] for submap in self.result["submaps"]]
+        for key in ("gamma", "theta", "verified"):
+            with open(self.out / f"{key}.csv", newline="", encoding="utf-8") as file:
+                header, *rows = csv.reader(file)
+            self.assertEqual(header[1:], ids)
+            self.assertEqual([row[0] for row in rows], ids)
+            cells = {(target, row[0]): float(cell)
+                     for row in rows for target, cell in zip(ids, row[1:], strict=True) if cell}
+            pairs = {(pair["target"], pair["source"]): pair[key] for pair in self.result["pairs"] if pair[key] is not None}
+            self.assertEqual(cells, pairs)
+
+    def test_pairs_csv_has_a_row_for_every_pair(self):
+        with open(self.out / "pairs.csv", newline="", encoding="utf-8") as file:
+            rows = list(csv.DictReader(file))
+        pairs = self.result["pairs"]
+        self.assertEqual([(row["target"], row["source"], row["verdict"], row["reason"]) for row in rows],
+                         [(pair["target"], pair["source"], pair["verdict"], pair["reason"]) for pair in pairs])
+
+    def test_constraints_hold_every_submap_and_each_trusted_edge(self):
+        rows = [line.split() for line in (self.out / "constraints.g2o").read_text().splitlines() if line[0] != "#"]
+        vertices = [row for row in rows if row[0] == "VERTEX_SE3:QUAT"]
+        self.assertEqual([int(row[1]) for row in vertices], list(range(len(self.result["submaps"]))))
+        for row, submap in zip(vertices, self.result["submaps"], strict=True):
+            self.assertEqual([float(word) for word in row[2:]], submap["T_world_submap"])
+        number = {submap["id"]: i for i, submap in enumerate(self.result["submaps"])}
+        poses = {(number[pair["target"]], number[pair["source"]]): pair["T_target_source_registered"]
+                 for pair in self.result["pairs"] if pair["verdict"] != "unverified"}
+        edges = {(int(row[1]), int(row[2])): [float(word) for word in row[3:10]]
+                 for row in rows if row[0] == "EDGE_SE3:QUAT"}
+        self.assertEqual(edges, poses)
+
+
+class Output(CheckCase):
+    def test_fail_on_chooses_which_verdicts_fail(self):
+        for poses, fail_on, status in (("mission", "inconsistent", 1), ("mission", "undetermined", 1),
+                                       ("mission", "never", 0), ("apart", "inconsistent", 0),
+                                       ("apart", "undetermined", 4), ("apart", "never", 0)):
+            with self.subTest(poses=poses, fail_on=fail_on):
+                run = self.check("--poses", self.tiny.folder / poses, "--fail-on", fail_on)
+                self.assertEqual(run.status, status, run.stdout)
+
+    def test_the_result_follows_its_schema(self):
+        for poses in (self.tiny.mission, self.tiny.truth, self.tiny.apart):
+            self.check("--poses", poses)
+            jsonschema.Draft202012Validator(SCHEMA).validate(read_result(self.out))
+
+    def test_json_goes_to_standard_output_and_nothing_else_does(self):
+        run = self.check("--json", "--verbose")
+        self.assertEqual(run.stdout, (self.out / "result.json").read_text(encoding="utf-8"))
+        self.assertEqual(json.loads(run.stdout)["schema"], "kilter.result/1")
+        self.assertIn("pairs", run.stderr)
+
+    def test_quiet_leaves_standard_error_empty(self):
+        self.assertEqual(self.check("--quiet").stderr, "")
+
+    def test_any_number_of_jobs_gives_the_same_bytes(self):
+        one, two = self.out / "one", self.out / "two"
+        for folder, jobs in ((one, 1), (two, 2)):
+            run_kilter("check", self.tiny.mission, "-o", folder, "--jobs", jobs, "--maps", *self.settings)
+        names = sorted(str(path.relative_to(one)) for path in one.rglob("*") if path.is_file())
+        self.assertEqual(names, sorted([*FILES, "maps/a.ply", "maps/b.ply", "maps/global.ply"]))
+        for name in names:
+            if name != "result.json":
+                self.assertEqual((one / name).read_bytes(), (two / name).read_bytes(), name)
+        results = [read_result(folder) for folder in (one, two)]
+        self.assertEqual([result["run"]["jobs"] for result in results], [1, 2])
+        self.assertEqual(*(json.dumps(without_run(result)) for result in results))
+
+    def test_maps_are_point_clouds_that_hold_what_they_say(self):
+        self.check("--maps")
+        for name in ("a", "b", "global"):
+            header, body = (self.out / "maps" / f"{name}.ply").read_bytes().split(b"end_header\n", 1)
+            count = int(next(line.split()[2] for line in header.splitlines() if line.startswith(b"element vertex")))
+            self.assertGreater(count, 1000)
+            self.assertEqual(len(body), count * struct.calcsize("<3d3Bf"))
+
+    def test_cuts_of_another_result_are_used_again(self):
+        self.check("--set", "submap_distance=6")
+        before = read_result(self.out)
+        again = self.out.with_name("again")
+        run_kilter("check", self.tiny.mission, "--poses", self.tiny.truth, "--cuts", self.out, "-o", again,
+                   *self.settings)
+        after = read_result(again)
+        keys = ("id", "first_scan", "last_scan")
+        self.assertEqual(*([[submap[key] for key in keys] for submap in result["submaps"]] for result in (before, after)))
+        self.assertEqual(after["run"]["cuts"], str(self.out))
+        self.assertGreater(len(after["submaps"]), 6)
+
+    def test_files_of_others_stay_and_links_are_not_followed(self):
+        self.out.mkdir()
+        (self.out / "notes.txt").write_text("mine")
+        elsewhere = self.tiny.folder / "elsewhere.csv"
+        elsewhere.write_text("precious")
+        (self.out / "pairs.csv").symlink_to(elsewhere)
+        self.assertEqual(self.check().status, 1)
+        self.assertEqual((self.out / "notes.txt").read_text(), "mine")
+        self.assertEqual(elsewhere.read_text(), "precious")
+        self.assertFalse((self.out / "pairs.csv").is_symlink())
+
+    def test_a_link_in_the_place_of_the_maps_folder_is_refused(self):
+        self.out.mkdir()
+        target = self.tiny.folder / "linked"
+        target.mkdir()
+        (self.out / "maps").symlink_to(target)
+        self.assertEqual(self.check("--maps").status, 5)
+        self.assertEqual(list(target.iterdir()), [])
+        self.assertFalse((self.out / "result.json").exists())
+
+    def test_a_file_in_the_place_of_the_output_folder_is_refused_before_any_work(self):
+        self.out.write_text("mine")
+        run = self.check("--verbose")
+        self.assertEqual(run.status, 5)
+        self.assertRegex(run.stderr, r"^io: .*expected a folder")
+        self.assertNotIn("submaps", run.stderr)
+        self.assertEqual(self.out.read_text(), "mine")
+
+
+class Trouble(CheckCase):
+    def interrupted(self, number: signal.Signals) -> tuple[int, str]:
+        """Status and messages of a run that gets a signal once it has begun to work."""
+        command = [str(kilter_binary()), "check", str(self.tiny.mission), "-o", str(self.out), "--verbose",
+                   "--jobs", "1", "--set", "resolution=0.02"]
+        # A test run in the background inherits SIGINT ignored, and kilter respects that.
+        restore = lambda: signal.signal(signal.SIGINT, signal.SIG_DFL)  # noqa: E731
+        with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+                              preexec_fn=restore) as run:
+            first = run.stderr.readline()
+            run.send_signal(number)
+            stdout, stderr = run.communicate(timeout=60)
+        self.assertEqual(stdout, "")
+        return run.returncode, first + stderr
+
+    def test_ctrl_c_ends_it_with_130_and_nothing_is_written(self):
+        status, messages = self.interrupted(signal.SIGINT)
+        self.assertEqual(status, 130, messages)
+        self.assertIn("\ncancelled: ", messages)
+        self.assertFalse(self.out.exists())
+
+    def test_a_polite_kill_ends_it_with_143_and_nothing_is_written(self):
+        status, messages = self.interrupted(signal.SIGTERM)
+        self.assertEqual(status, 143, messages)
+        self.assertFalse(self.out.exists())
+
+    def test_a_full_disk_leaves_the_old_result_and_no_fragments(self):
+        self.check()
+        before = (self.out / "result.json").read_bytes()
+        command = [str(kilter_binary()), "check", str(self.tiny.mission), "-o", str(self.out), "--set", "tolerance=0.2"]
+        limit = lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (4096, 4096))  # noqa: E731
+        run = subprocess.run(command, capture_output=True, text=True, preexec_fn=limit, check=False)
+        self.assertEqual(run.returncode, 5, run.stderr)
+        self.assertRegex(run.stderr, r"(?m)^no-space: ")
+        self.assertEqual(run.stdout, "")
+        self.assertEqual((self.out / "result.json").read_bytes(), before)
+        self.assertEqual({path.name for path in self.out.iterdir()}, FILES)
+
+    def test_a_budget_that_does_not_do_is_said_and_ends_with_5(self):
+        run = self.check("--memory", "10K")
+        self.assertEqual(run.status, 5)
+        self.assertRegex(run.stderr, r"(?m)^out-of-memory: ")
+        self.assertFalse(self.out.exists())
+
+    @unittest.skipIf(not os.path.exists("/dev/full"), "there is no /dev/full here")
+    def test_a_standard_output_that_takes_nothing_ends_with_5(self):
+        with open("/dev/full", "w", encoding="ascii") as full:
+            command = [str(kilter_binary()), "check", str(self.tiny.mission), "-o", str(self.out)]
+            run = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True, check=False)
+        self.assertEqual(run.returncode, 5)
+        self.assertRegex(run.stderr, r"(?m)^no-space: standard output: ")
+
+
+if __name__ == "__main__":
+    main()

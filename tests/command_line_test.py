@@ -1,0 +1,122 @@
+# SPDX-FileCopyrightText: The kilter authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""Everything about the command line but `check` itself: help, version, keys, explanations, what a mission holds."""
+
+from __future__ import annotations
+
+import json
+import re
+import time
+import tomllib
+import unittest
+
+from kilter_runner import SOURCE_DIR, main, run_kilter
+from tiny_mission import TinyMission
+
+COMMANDS = ("check", "info", "config show", "explain")
+COMMON = ("--config", "--set", "--jobs", "--memory", "--quiet", "--verbose", "--json", "--no-color")
+# Keys that scripts rely on, with their defaults.
+KEYS = {"resolution": 0.1, "submap_distance": 10, "local_min_gap": 2, "d": 1.0, "fit": "moments", "floor": "quantisation",
+        "registration": "point_to_plane", "tolerance": 0.1, "alpha": 0.01, "prior_inconsistent": 0.05, "min_decided": 0.5}
+
+
+class Help(unittest.TestCase):
+    def test_help_lists_every_command_and_takes_no_time(self):
+        best_s = 10.0
+        for _ in range(5):
+            start = time.monotonic()
+            run = run_kilter("--help")
+            best_s = min(best_s, time.monotonic() - start)
+        self.assertEqual((run.status, run.stderr), (0, ""))
+        for command in COMMANDS:
+            self.assertRegex(run.stdout, rf"\n  {command.split()[0]} ")
+        self.assertLess(best_s, 0.2)
+
+    def test_each_command_explains_its_options(self):
+        for command in COMMANDS:
+            run = run_kilter(*command.split(), "--help")
+            self.assertEqual((run.status, run.stderr), (0, ""))
+            for option in COMMON:
+                self.assertIn(option, run.stdout, command)
+
+    def test_the_version_is_the_projects(self):
+        cmake = (SOURCE_DIR / "CMakeLists.txt").read_text(encoding="utf-8")
+        version = re.search(r"VERSION (\d+\.\d+\.\d+)", cmake)[1]
+        self.assertEqual(run_kilter("--version").stdout, f"kilter {version}\n")
+
+    def test_what_was_meant_is_offered(self):
+        for arguments, part in ((("chekc",), "kilter check"), (("check", "x", "--quite"), "--quiet"),
+                                (("explain", "parze"), "kilter explain parse"), (("config",), "kilter config --help"),
+                                ((), "kilter --help")):
+            run = run_kilter(*arguments)
+            self.assertEqual((run.status, run.stdout), (2, ""), run.stderr)
+            self.assertRegex(run.stderr, rf"^usage: .*\n  try: {re.escape(part)}\n$")
+
+    def test_the_manual_tells_every_command_and_option(self):
+        manual = (SOURCE_DIR / "docs" / "cli.md").read_text(encoding="utf-8")
+        for command in COMMANDS:
+            self.assertIn(f"kilter {command}", manual)
+            for option in re.findall(r"--[a-z][a-z-]+", run_kilter(*command.split(), "--help").stdout):
+                self.assertIn(option, manual)
+
+
+class Config(unittest.TestCase):
+    def test_what_is_shown_is_a_configuration_file(self):
+        shown = run_kilter("config", "show", "--set", "tolerance=3 cm", "--set", "T_body_sensor.a=0 0 1.5 0 0 0 1")
+        keys = tomllib.loads(shown.stdout)
+        self.assertEqual(keys["tolerance"], 0.03)
+        self.assertEqual(keys["T_body_sensor"], {"a": [0, 0, 1.5, 0, 0, 0, 1]})
+        with TinyMission() as tiny:
+            file = tiny.folder / "keys.toml"
+            file.write_text(shown.stdout)
+            self.assertEqual(run_kilter("config", "show", "--config", file).stdout, shown.stdout)
+
+    def test_promised_keys_are_there_with_their_defaults(self):
+        keys = tomllib.loads(run_kilter("config", "show").stdout)
+        self.assertEqual({key: keys.get(key) for key in KEYS}, KEYS)
+
+    def test_json_gives_unit_range_and_meaning(self):
+        keys = json.loads(run_kilter("config", "show", "--json").stdout)
+        self.assertEqual(keys["tolerance"]["value"], 0.1)
+        self.assertEqual(keys["tolerance"]["unit"], "m")
+        self.assertTrue(all(row["doc"] and row["range"] for key, row in keys.items() if key != "T_body_sensor"))
+
+    def test_the_seed_preset_changes_what_the_paper_does_otherwise(self):
+        keys = tomllib.loads(run_kilter("config", "show", "--preset", "seed").stdout)
+        self.assertEqual((keys["registration"], keys["floor"], keys["fit"]), ("oicp", "none", "moments"))
+
+
+class Explain(unittest.TestCase):
+    def test_every_code_and_finding_is_explained(self):
+        explanations = json.loads(run_kilter("explain", "--json").stdout)
+        for name in ("usage", "parse", "truncated", "cancelled", "inconsistent", "unverified", "undetermined"):
+            self.assertGreater(len(explanations[name]), 40)
+        for name in explanations:
+            self.assertTrue(run_kilter("explain", name).stdout.startswith(f"{name}\n  "))
+
+
+class Info(unittest.TestCase):
+    def test_counts_what_a_mission_holds(self):
+        with TinyMission() as tiny:
+            run = run_kilter("info", tiny.mission, "--json")
+            robots = json.loads(run.stdout)["robots"]
+            self.assertEqual([robot["name"] for robot in robots], ["a", "b"])
+            self.assertEqual(robots[0]["clouds"], 13)
+            self.assertEqual(robots[0]["first_cloud_points"], 480 * 32)
+            self.assertEqual(robots[0]["likely_submaps"], 3)
+            self.assertAlmostEqual(robots[0]["path_length_m"], 24.0, delta=0.1)
+            text = run_kilter("info", tiny.mission)
+            self.assertEqual(text.status, 0)
+            self.assertIn("2 robots, 26 clouds, likely 6 submaps", text.stdout)
+
+    def test_says_what_is_wrong_before_any_work(self):
+        with TinyMission() as tiny:
+            mission = tiny.copy("short")
+            (mission / "a" / "scans" / "000000.bin").write_bytes(b"x" * 17)
+            run = run_kilter("info", mission)
+            self.assertEqual((run.status, run.stdout), (3, ""))
+            self.assertIn("000000.bin", run.stderr)
+
+
+if __name__ == "__main__":
+    main()
