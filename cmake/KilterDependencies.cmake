@@ -18,3 +18,5 @@ if(NOT TARGET LZF::LZF)
   set_target_properties(LZF::LZF PROPERTIES
     IMPORTED_LOCATION "${LZF_LIBRARY}" INTERFACE_INCLUDE_DIRECTORIES "${LZF_INCLUDE_DIR}")
 endif()
+# Optional: the simulator casts its rays with it.
+find_package(embree 3 QUIET)

@@ -29,7 +29,7 @@ using Scene = std::vector<Box>;
 
 /// One turn of a lidar with `beams` rings over +-25 degrees and `columns` azimuths, in the sensor's frame.
 [[nodiscard]] std::vector<Eigen::Vector3d> scan(const Scene& scene, const Pose3& T_world_sensor, double noise_m,
-                                                std::uint64_t seed, int beams = 32, int columns = 450);
+                                                std::uint64_t seed, int beams = 24, int columns = 300);
 
 /// A submap made of one scan at each true pose, placed at `T_world_submap_believed` (the map's opinion).
 [[nodiscard]] Submap submap_of(const Scene& scene, const std::vector<Pose3>& T_world_sensor,

@@ -13,6 +13,7 @@ import tempfile
 import unittest
 from pathlib import Path
 
+import figure3
 from kilter_runner import main, run_kilter
 
 IDENTITY = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
@@ -69,10 +70,7 @@ class Missions(unittest.TestCase):
         shutil.rmtree(place, ignore_errors=True)
         (place / "submaps").mkdir(parents=True)
         for i, cloud in enumerate(clouds):
-            head = (f"VERSION 0.7\nFIELDS x y z\nSIZE 8 8 8\nTYPE F F F\nCOUNT 1 1 1\nWIDTH {len(cloud)}\nHEIGHT 1\n"
-                    f"VIEWPOINT 0 0 0 1 0 0 0\nPOINTS {len(cloud)}\nDATA ascii\n")
-            rows = "".join(f"{x!r} {y!r} {z!r}\n" for x, y, z in cloud)
-            (place / "submaps" / f"{i:06d}.pcd").write_text(head + rows)
+            (place / "submaps" / f"{i:06d}.pcd").write_text(figure3.cloud(cloud))
         lines = (" ".join(map(repr, (float(i), *pose))) for i, pose in enumerate(poses))
         (place / "poses.tum").write_text("\n".join(lines) + "\n")
         return place
@@ -94,11 +92,10 @@ class Missions(unittest.TestCase):
 
 class TheFormulas(Missions):
     def test_lines_that_meet_at_an_angle_give_the_papers_uniform_law(self) -> None:
-        # Figure 3a: from the common start to where they are d = 1 m apart.
-        angle = math.asin(0.1)
-        along = [(0.01 * i + 0.004, 0.0051, 0.0051) for i in range(1100)]
-        tilted = [(s * math.cos(angle), 0.0051 + s * math.sin(angle), 0.0051) for s in (0.005 * i for i in range(1999))]
+        along, tilted = figure3.lines()
         pair = self.pair_of(along, tilted, IDENTITY, "resolution=0.01")
+        kept = figure3.PICTURE.read_text(encoding="utf-8")
+        self.assertEqual(figure3.draw(pair), kept, "make docs/figure3.svg again: tests/figure3.py")
         self.assertGreater(pair["matched"], 990)
         # Centres of 1 cm voxels stand for points: that much the distances may be off.
         self.assertAlmostEqual(pair["mu"], 0.5, delta=0.006)                   # Eq. (11): d / 2

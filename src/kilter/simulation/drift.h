@@ -18,10 +18,10 @@ struct DriftOptions {
   Eigen::Vector3d bias_m_per_m = {0.003, 0.002, 0.002};
   /// The same for roll, pitch, yaw. [rad/m]
   Eigen::Vector3d bias_rad_per_m = {0.00008, 0.00008, 0.0004};
-  double correlation_m = 10.0;          ///< path over which the bias forgets itself
-  double yaw_rad_per_rad = 0.003;       ///< deviation of the yaw error per square root of radian turned
-  double jitter_m = 0.003;              ///< of each scan, along each axis
-  double jitter_rad = 0.0004;           ///< of each scan, about each axis
+  double correlation_m = 10.0;     ///< path over which the bias forgets itself
+  double yaw_rad_per_rad = 0.003;  ///< deviation of the yaw error per square root of radian turned
+  double jitter_m = 0.003;         ///< of each scan, along each axis
+  double jitter_rad = 0.0004;      ///< of each scan, about each axis
 };
 
 /// Odometry as such a front end reports it: T_previous_this from each pose to the next (one fewer than poses).

@@ -27,13 +27,15 @@ enum class FaultKind {
 /// An event to plant. Shares are of the robot's scans, in [0, 1].
 struct FaultRequest {
   FaultKind kind = FaultKind::kSlip;
-  int robot = 0;                      ///< 0-based
-  double from = 0.3;                  ///< kMissedClosure, kFrameDrift: where the drift sets in
-  double at = 0.6;                    ///< where the event is, or from where on the robot may come back
-  double size_m = 0.4;                ///< displacement; kMistakenPlace: how far the two places are apart
-  double size_rad = 0.0;              ///< yaw, as a magnitude; its sign is drawn
-  std::optional<double> bearing_rad = {};  ///< of the displacement, from the robot's x axis; drawn when absent
-  bool at_turn = true;                ///< kSlip: move to the sharpest turn within a tenth of the path
+  int robot = 0;          ///< 0-based
+  double from = 0.3;      ///< kMissedClosure, kFrameDrift: where the drift sets in
+  double until = 1.0;     ///< and where it ends, if not where the robot comes back
+  double at = 0.6;        ///< where the event is, or from where on the robot may come back
+  double size_m = 0.4;    ///< displacement; kMistakenPlace: how far the two places are apart
+  double size_rad = 0.0;  ///< yaw
+  /// Of the displacement, from the robot's x axis at the event. When absent, it and the sign of the yaw are drawn.
+  std::optional<double> bearing_rad = {};
+  bool at_turn = true;  ///< kSlip: move to the sharpest turn within a tenth of the path
 };
 
 /// An event as it shows in the finished estimate.
@@ -41,7 +43,7 @@ struct Fault {
   FaultKind kind = FaultKind::kSlip;
   int robot = 0;
   std::size_t first_scan = 0;  ///< the error begins to grow here
-  std::size_t scan = 0;        ///< and is seen in full here,
+  std::size_t scan = 0;        ///< and is seen here,
   int against_robot = 0;       ///< compared with this scan
   std::size_t against_scan = 0;
   /// Estimated relative pose of the two scans against the true one, at `scan`.

@@ -101,7 +101,8 @@ ScanRef lookalike(Truth truth, const ScanRef& scan, double size_m) {
 Vector6 draw_twist(const FaultRequest& request, Rng& rng) {
   const double drawn_rad = rng.uniform(0.0, 2.0 * std::numbers::pi);
   const double bearing_rad = request.bearing_rad.value_or(drawn_rad);
-  const double sign = rng.uniform() < 0.5 ? -1.0 : 1.0;
+  const double drawn_sign = rng.uniform() < 0.5 ? -1.0 : 1.0;
+  const double sign = request.bearing_rad ? 1.0 : drawn_sign;
   Vector6 twist = Vector6::Zero();
   twist[0] = request.size_m * std::cos(bearing_rad);
   twist[1] = request.size_m * std::sin(bearing_rad);
@@ -110,19 +111,19 @@ Vector6 draw_twist(const FaultRequest& request, Rng& rng) {
 }
 
 bool path_near(Truth truth, const ScanRef& a, const ScanRef& b) {
-  return a.robot == b.robot &&
-         std::abs(truth[a.robot].path_m[a.scan] - truth[b.robot].path_m[b.scan]) < kWrongReach_m;
+  return a.robot == b.robot && std::abs(truth[a.robot].path_m[a.scan] - truth[b.robot].path_m[b.scan]) < kWrongReach_m;
 }
 
 }  // namespace
 
-Expected<PlannedFault> plan_fault(Truth truth, const FaultRequest& request,
-                                  std::span<const PlannedFault> earlier, Rng rng) {
+Expected<PlannedFault> plan_fault(Truth truth, const FaultRequest& request, std::span<const PlannedFault> earlier,
+                                  Rng rng) {
   if (request.robot < 0 || static_cast<std::size_t>(request.robot) >= truth.size()) {
     return no_room(request, "there is no robot " + std::to_string(request.robot));
   }
   const auto r = static_cast<std::size_t>(request.robot);
-  if (r == 0 && request.kind == FaultKind::kFrameOffset) return no_room(request, "the first robot's frame is the world");
+  if (r == 0 && request.kind == FaultKind::kFrameOffset)
+    return no_room(request, "the first robot's frame is the world");
   const RobotMotion& robot = truth[r];
   PlannedFault fault;
   fault.request = request;
@@ -133,8 +134,10 @@ Expected<PlannedFault> plan_fault(Truth truth, const FaultRequest& request,
   std::optional<Meeting> meeting;
   switch (request.kind) {
     case FaultKind::kSlip:
-      fault.scan.scan = request.at_turn ? sharpest_turn(robot, fault.scan.scan) : std::max<std::size_t>(1, fault.scan.scan);
+      fault.scan.scan =
+          request.at_turn ? sharpest_turn(robot, fault.scan.scan) : std::max<std::size_t>(1, fault.scan.scan);
       fault.first = fault.against = {r, fault.scan.scan - 1};
+      fault.last = fault.scan;
       return fault;
     case FaultKind::kMistakenPlace:
       fault.against = fault.first = lookalike(truth, fault.scan, request.size_m);
@@ -152,6 +155,7 @@ Expected<PlannedFault> plan_fault(Truth truth, const FaultRequest& request,
       break;
   }
   fault.scan = meeting->later;
+  fault.last = {r, std::min(std::max(scan_at(robot, request.until), fault.first.scan + 1), fault.scan.scan)};
   fault.against = meeting->earlier;
   return fault;
 }

@@ -13,13 +13,14 @@ namespace kilter {
 /// A requested fault with its place in this mission.
 struct PlannedFault {
   FaultRequest request;
-  ScanRef first;    ///< the error grows on the steps after this scan
-  ScanRef scan;     ///< up to this one
-  ScanRef against;  ///< where the error can be seen: the scan it is compared with
-  Vector6 twist = Vector6::Zero();  ///< what goes wrong, in the frame of `scan`
+  ScanRef first;                    ///< the error grows on the steps after this scan
+  ScanRef last;                     ///< up to this one
+  ScanRef scan;                     ///< the error is looked at here
+  ScanRef against;                  ///< where the error can be seen: the scan it is compared with
+  Vector6 twist = Vector6::Zero();  ///< what is to be seen at `scan`, in its frame
 
-  /// What `twist` is multiplied by before it is planted.
-  double amount = 1.0;
+  /// Drifts only: what pushes the robot aside all along, so that the translation of `twist` results. World frame.
+  Eigen::Vector3d push_m = Eigen::Vector3d::Zero();
 };
 
 /// Finds the place in the mission that fits a request and draws what it leaves open. A frame's error is looked at

@@ -78,7 +78,7 @@ std::optional<double> measure_m(const LidarModel& model, const Echo& echo, const
   const double noise_m = model.range_noise_m * rng.normal();
   const double limit_m = detection_limit_m(model, reflectivity(echo.hit.material), echo.cos_incidence);
   const double range_m = mixed_range_m(model, echo, neighbour, edge_rad) + noise_m;
-  if (lost || range_m > limit_m || range_m < model.min_range_m) return std::nullopt;
+  if (lost || range_m > limit_m || range_m > model.keep_range_m || range_m < model.min_range_m) return std::nullopt;
   if (model.range_step_m <= 0.0) return range_m;
   return std::round(range_m / model.range_step_m) * model.range_step_m;
 }
@@ -97,6 +97,7 @@ std::vector<OptionField> LidarModel::fields() {
       real_option("rate_hz", rate_hz, Unit::kNone, 0.1, 100.0, "Turns of the lidar per second."),
       real_option("lidar_min_range", min_range_m, Unit::kMetre, 0.0, 10.0, "Nearer returns are swallowed."),
       real_option("lidar_max_range", max_range_m, Unit::kMetre, 1.0, 500.0, "Reach on a bright surface met squarely."),
+      real_option("keep_range", keep_range_m, Unit::kMetre, 1.0, 1000.0, "Farther returns are thrown away."),
       real_option("range_noise", range_noise_m, Unit::kMetre, 0.0, 1.0, "Standard deviation of a range."),
       real_option("range_step", range_step_m, Unit::kMetre, 0.0, 0.1, "Ranges are multiples of this; 0 is exact."),
       real_option("dropout", dropout, Unit::kRatio, 0.0, 1.0, "Share of returns lost at random."),
@@ -152,8 +153,7 @@ SimulatedScan simulate_scan(const RayCaster& world, const LidarModel& model, con
       const std::optional<double> range_m = measure_m(model, *echo, echo_at(columns, column + side, beam), rng);
       if (!range_m) continue;
       const Vector3d point_m = T_scan_column[static_cast<std::size_t>(column)] * (*range_m * echo->direction).eval();
-      scan.cloud.add(static_cast<float>(point_m.x()), static_cast<float>(point_m.y()),
-                     static_cast<float>(point_m.z()));
+      scan.cloud.add(static_cast<float>(point_m.x()), static_cast<float>(point_m.y()), static_cast<float>(point_m.z()));
       scan.intensity.push_back(static_cast<float>(reflectivity(echo->hit.material) * echo->cos_incidence));
     }
   }

@@ -17,17 +17,18 @@ namespace kilter {
 /// A spinning lidar with evenly spaced beams. The defaults are a 16-beam sensor as the paper used.
 struct LidarModel {
   int beams = 16;
-  double elevation_low_rad = -0.2617993877991494;   ///< lowest beam; -15 degrees
-  double elevation_high_rad = 0.2617993877991494;   ///< highest beam
-  int columns = 1800;                               ///< firings per turn
-  double rate_hz = 10.0;                            ///< turns per second
-  double min_range_m = 0.5;                         ///< nearer returns are swallowed
-  double max_range_m = 100.0;                       ///< for a bright surface met squarely
-  double range_noise_m = 0.02;                      ///< standard deviation of a range
-  double range_step_m = 0.002;                      ///< ranges are multiples of this
-  double dropout = 0.005;                           ///< share of returns that get lost for no reason
-  double divergence_rad = 0.003;                    ///< full width of a beam
-  double pulse_length_m = 0.6;                      ///< nearer echoes than this melt into one
+  double elevation_low_rad = -0.2617993877991494;  ///< lowest beam; -15 degrees
+  double elevation_high_rad = 0.2617993877991494;  ///< highest beam
+  int columns = 1800;                              ///< firings per turn
+  double rate_hz = 10.0;                           ///< turns per second
+  double min_range_m = 0.5;                        ///< nearer returns are swallowed
+  double max_range_m = 100.0;                      ///< for a bright surface met squarely
+  double keep_range_m = 1000.0;                    ///< farther returns are thrown away, as mappers do
+  double range_noise_m = 0.02;                     ///< standard deviation of a range
+  double range_step_m = 0.002;                     ///< ranges are multiples of this
+  double dropout = 0.005;                          ///< share of returns that get lost for no reason
+  double divergence_rad = 0.003;                   ///< full width of a beam
+  double pulse_length_m = 0.6;                     ///< nearer echoes than this melt into one
   /// Share of the motion within one turn that is left in the scan: 1 is a raw scan, 0 perfect deskewing. A real
   /// front end leaves a little.
   double motion_residual = 0.02;

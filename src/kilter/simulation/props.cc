@@ -126,9 +126,10 @@ TriangleMesh make_car(Rng& rng) {
   const double roof = rng.uniform(1.4, 1.65);
   const double width = rng.uniform(1.7, 1.85);
   const double h = 0.5 * length;
-  add_body(car,
-           {{h, 0.3}, {h, 0.7}, {h - 1.1, 0.92}, {h - 1.8, roof}, {-h + 1.0, roof}, {-h + 0.3, 0.98}, {-h, 0.9}, {-h, 0.3}},
-           width, Material::kPaint);
+  add_body(
+      car,
+      {{h, 0.3}, {h, 0.7}, {h - 1.1, 0.92}, {h - 1.8, roof}, {-h + 1.0, roof}, {-h + 0.3, 0.98}, {-h, 0.9}, {-h, 0.3}},
+      width, Material::kPaint);
   add_wheels(car, length - 1.7, width);
   return car;
 }

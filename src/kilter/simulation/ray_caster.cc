@@ -4,6 +4,7 @@
 
 #include <embree3/rtcore.h>
 
+#include <Eigen/Geometry>
 #include <cmath>
 #include <cstring>
 
@@ -15,17 +16,27 @@ using Eigen::Vector3d;
 // Triangles of one rigid thing and Embree's tree over them.
 struct RigidMesh {
   TriangleMesh mesh;
-  double radius_m = 0.0;
   RTCScene scene = nullptr;
+  Vector3d center_m = Vector3d::Zero();  // of a ball round it
+  double radius_m = 0.0;
 };
+
+RigidMesh with_ball(const TriangleMesh& mesh, RTCScene scene) {
+  RigidMesh rigid{mesh, scene};
+  Eigen::AlignedBox3d box;
+  for (const Eigen::Vector3f& vertex : mesh.vertices_m) box.extend(vertex.cast<double>().eval());
+  rigid.center_m = box.center();
+  rigid.radius_m = 0.5 * box.diagonal().norm();
+  return rigid;
+}
 
 Error device_error(RTCDevice device) {
   const RTCError code = rtcGetDeviceError(device);
   if (code == RTC_ERROR_OUT_OF_MEMORY) {
     return {ErrorCode::kOutOfMemory, "the simulated world does not fit into memory", {}, "use a smaller --scale"};
   }
-  return {ErrorCode::kInternal, "the ray caster could not be set up (Embree error " + std::to_string(code) + ")", {},
-          {}};
+  return {
+      ErrorCode::kInternal, "the ray caster could not be set up (Embree error " + std::to_string(code) + ")", {}, {}};
 }
 
 Expected<RTCScene> build_tree(RTCDevice device, const TriangleMesh& mesh) {
@@ -88,10 +99,11 @@ std::optional<RayHit> hit_mesh(const RigidMesh& rigid, const Vector3d& origin_m,
   return RayHit{normal.dot(corner - origin_m) / slope, normal, rigid.mesh.materials[query.hit.primID]};
 }
 
-bool may_meet_ball(const Vector3d& origin_m, const Vector3d& direction, double radius_m, double max_range_m) {
-  const double along_m = -origin_m.dot(direction);
+// The ball's centre given relative to the ray's origin.
+bool may_meet_ball(const Vector3d& center_m, const Vector3d& direction, double radius_m, double max_range_m) {
+  const double along_m = center_m.dot(direction);
   if (along_m < -radius_m || along_m > max_range_m + radius_m) return false;
-  return (origin_m + along_m * direction).squaredNorm() <= radius_m * radius_m;
+  return (center_m - along_m * direction).squaredNorm() <= radius_m * radius_m;
 }
 
 }  // namespace
@@ -126,12 +138,12 @@ Expected<RayCaster> RayCaster::build(const TriangleWorld& world) {
   if (scenes->device == nullptr) return pass_up(device_error(nullptr));
   const Expected<RTCScene> fixed = build_tree(scenes->device, world.fixed);
   if (!fixed) return pass_up(fixed.error());
-  scenes->fixed = {world.fixed, world.fixed.radius_m(), *fixed};
+  scenes->fixed = with_ball(world.fixed, *fixed);
   scenes->moving = world.moving;
   for (const MovingObject& object : world.moving) {
     const Expected<RTCScene> tree = build_tree(scenes->device, object.mesh);
     if (!tree) return pass_up(tree.error());
-    scenes->moving_meshes.push_back({object.mesh, object.mesh.radius_m(), *tree});
+    scenes->moving_meshes.push_back(with_ball(object.mesh, *tree));
   }
   return RayCaster(std::move(scenes));
 }
@@ -139,8 +151,10 @@ Expected<RayCaster> RayCaster::build(const TriangleWorld& world) {
 RayCaster::Moment RayCaster::at(double time_s) const {
   Moment moment;
   moment.caster_ = this;
-  moment.T_object_world_.reserve(scenes_->moving.size());
-  for (const MovingObject& object : scenes_->moving) moment.T_object_world_.push_back(object.pose_at(time_s).inverse());
+  for (std::size_t i = 0; i < scenes_->moving.size(); ++i) {
+    const MovingObject& object = scenes_->moving[i];
+    if (object.is_there(time_s)) moment.placed_.push_back({i, object.pose_at(time_s).inverse()});
+  }
   return moment;
 }
 
@@ -148,15 +162,16 @@ std::optional<RayHit> RayCaster::Moment::first_hit(const Vector3d& origin_m, con
                                                    double max_range_m) const {
   const Scenes& scenes = *caster_->scenes_;
   std::optional<RayHit> best = hit_mesh(scenes.fixed, origin_m, direction, max_range_m);
-  for (std::size_t i = 0; i < T_object_world_.size(); ++i) {
+  for (const auto& [object, T_object_world] : placed_) {
     const double limit_m = best ? best->range_m : max_range_m;
-    const RigidMesh& rigid = scenes.moving_meshes[i];
-    const Vector3d origin_object_m = T_object_world_[i] * origin_m;
-    const Vector3d direction_object = T_object_world_[i].rotation() * direction;
-    if (!may_meet_ball(origin_object_m, direction_object, rigid.radius_m, limit_m)) continue;
+    const RigidMesh& rigid = scenes.moving_meshes[object];
+    const Vector3d origin_object_m = T_object_world * origin_m;
+    const Vector3d direction_object = T_object_world.rotation() * direction;
+    const Vector3d to_ball_m = rigid.center_m - origin_object_m;
+    if (!may_meet_ball(to_ball_m, direction_object, rigid.radius_m, limit_m)) continue;
     std::optional<RayHit> hit = hit_mesh(rigid, origin_object_m, direction_object, limit_m);
     if (!hit || (best && hit->range_m >= best->range_m)) continue;
-    hit->normal = T_object_world_[i].rotation().conjugate() * hit->normal;
+    hit->normal = T_object_world.rotation().conjugate() * hit->normal;
     best = hit;
   }
   return best;

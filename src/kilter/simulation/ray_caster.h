@@ -44,7 +44,11 @@ class RayCaster {
    private:
     friend class RayCaster;
     const RayCaster* caster_ = nullptr;
-    std::vector<Pose3> T_object_world_;  ///< in the order of TriangleWorld::moving
+    struct Placed {
+      std::size_t object;  ///< index into TriangleWorld::moving
+      Pose3 T_object_world;
+    };
+    std::vector<Placed> placed_;
   };
 
   /// Safe from several threads at once.

@@ -25,8 +25,7 @@ TEST(RayCaster, MeasuresThePlanesDistanceExactly) {
   Rng rng(1, 0);
   for (int i = 0; i < 200; ++i) {
     const Vector3d origin(rng.uniform(-5.0, 5.0), rng.uniform(-5.0, 5.0), rng.uniform(0.5, 3.0));
-    const Vector3d direction =
-        Vector3d(rng.normal(), rng.normal(), -1.0 - rng.uniform()).normalized();
+    const Vector3d direction = Vector3d(rng.normal(), rng.normal(), -1.0 - rng.uniform()).normalized();
     const auto hit = caster.at(0.0).first_hit(origin, direction, 100.0);
     ASSERT_TRUE(hit.has_value());
     EXPECT_NEAR(hit->range_m, -origin.z() / direction.z(), 1e-12);

@@ -136,10 +136,9 @@ double Trajectory::path_m(double time_s) const { return interpolate(time_s).path
 Pose3 Trajectory::at(double time_s) const {
   const Knot knot = interpolate(time_s);
   const double height_m = options_.sensor_height_m + sum_of(heave_, time_s);
-  const Eigen::Quaterniond rotation =
-      Eigen::AngleAxisd(knot.yaw_rad, Vector3d::UnitZ()) *
-      Eigen::AngleAxisd(knot.pitch_rad + sum_of(pitch_, time_s), Vector3d::UnitY()) *
-      Eigen::AngleAxisd(sum_of(roll_, time_s), Vector3d::UnitX());
+  const Eigen::Quaterniond rotation = Eigen::AngleAxisd(knot.yaw_rad, Vector3d::UnitZ()) *
+                                      Eigen::AngleAxisd(knot.pitch_rad + sum_of(pitch_, time_s), Vector3d::UnitY()) *
+                                      Eigen::AngleAxisd(sum_of(roll_, time_s), Vector3d::UnitX());
   return {rotation, knot.ground_m + Vector3d(0.0, 0.0, height_m)};
 }
 
@@ -149,8 +148,7 @@ std::vector<double> Trajectory::scan_times_s(double step_m, double step_rad) con
   double last_m = 0.0;
   double last_rad = 0.0;
   for (const Knot& knot : knots_) {
-    const bool due = times_s.empty() || knot.path_m - last_m >= step_m ||
-                     std::abs(knot.yaw_rad - last_rad) >= step_rad;
+    const bool due = times_s.empty() || knot.path_m - last_m >= step_m || std::abs(knot.yaw_rad - last_rad) >= step_rad;
     if (!due) continue;
     // A turn on the spot is one long knot: scans at equal angles within it.
     const int parts = times_s.empty() ? 1 : std::max(1, static_cast<int>(std::abs(knot.yaw_rad - last_rad) / step_rad));

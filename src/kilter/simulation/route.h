@@ -13,12 +13,12 @@ namespace kilter {
 /// How a robot drives along its corners.
 struct RouteOptions {
   double speed_mps = 0.8;
-  double turn_rate_radps = 0.8;   ///< turning on the spot
-  double corner_radius_m = 0.7;   ///< corners are rounded, as far as their legs allow
-  double sensor_height_m = 0.7;   ///< of the lidar above the ground
-  double sway_rad = 0.005;        ///< roll and pitch of the body on uneven ground, standard deviation
-  double heave_m = 0.004;         ///< the same for its height
-  std::uint64_t seed = 1;         ///< of sway and heave
+  double turn_rate_radps = 0.8;  ///< turning on the spot
+  double corner_radius_m = 0.7;  ///< corners are rounded, as far as their legs allow
+  double sensor_height_m = 0.7;  ///< of the lidar above the ground
+  double sway_rad = 0.005;       ///< roll and pitch of the body on uneven ground, standard deviation
+  double heave_m = 0.004;        ///< the same for its height
+  std::uint64_t seed = 1;        ///< of sway and heave
 };
 
 /// The true motion of a robot's lidar: smooth, defined at any time (the ends stand still).

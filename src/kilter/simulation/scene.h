@@ -33,11 +33,12 @@ struct RobotRoute {
 /// A world, the robots in it, and how their maps come about.
 struct Scene {
   TriangleWorld world;
-  std::vector<RobotRoute> routes;    ///< robots a, b, c, ...
+  std::vector<RobotRoute> routes;  ///< robots a, b, c, ...
   SlamOptions slam;
   std::vector<FaultRequest> faults;  ///< planted unless others are asked for
   double scan_step_m = 0.8;          ///< path between key scans
   double scan_step_rad = 0.6;
+  double keep_range_m = 1000.0;  ///< farther returns are thrown away before mapping
 };
 
 /// A scene's name and what it is for.

@@ -24,6 +24,7 @@ Expected<SimulatedMission> SimulatedMission::plan(Scene scene, const LidarModel&
   Expected<RayCaster> world = RayCaster::build(scene.world);
   if (!world) return pass_up(world.error());
   SimulatedMission mission(std::move(*world), lidar, seed);
+  mission.lidar_.keep_range_m = std::min(lidar.keep_range_m, scene.keep_range_m);
   std::vector<RobotMotion> motions;
   for (std::size_t r = 0; r < scene.routes.size(); ++r) {
     const RobotRoute& route = scene.routes[r];

@@ -16,10 +16,10 @@ namespace kilter {
 
 /// One robot's session: what is true and what its map says.
 struct SimulatedRobot {
-  std::string name;  ///< "a", "b", ...
+  std::string name;                        ///< "a", "b", ...
   std::vector<double> stamp_s;             ///< of each scan
-  std::vector<Pose3> T_world_sensor_true;     ///< of each scan
-  std::vector<Pose3> T_world_sensor;          ///< as estimated: what `poses.tum` holds
+  std::vector<Pose3> T_world_sensor_true;  ///< of each scan
+  std::vector<Pose3> T_world_sensor;       ///< as estimated: what `poses.tum` holds
 };
 
 /// A mission before its scans are made: everything about it but the points. Scans are made one by one, in any order,

@@ -61,16 +61,20 @@ class MissionGraph {
  private:
   [[nodiscard]] std::size_t node(const ScanRef& ref) const { return first_node_[ref.robot] + ref.scan; }
 
-  // The part of a fault's twist that falls on the step to `scan`: all of a slip's, a drift's by its length.
-  [[nodiscard]] static Vector6 step_error(const PlannedFault& fault, const RobotMotion& robot, const ScanRef& scan) {
-    const bool drift = grows_with_drift(fault.request.kind);
-    if (!drift && fault.request.kind != FaultKind::kSlip) return Vector6::Zero();
-    if (scan.robot != fault.scan.robot || scan.scan <= fault.first.scan || scan.scan > fault.scan.scan) {
+  // What a fault does to the step that leads to `scan`: a slip all at once, a drift in proportion to the step.
+  [[nodiscard]] Vector6 step_error(const PlannedFault& fault, const ScanRef& scan) const {
+    if (scan.robot != fault.scan.robot || scan.scan <= fault.first.scan || scan.scan > fault.last.scan) {
       return Vector6::Zero();
     }
-    const double stretch_m = robot.path_m[fault.scan.scan] - robot.path_m[fault.first.scan];
-    const double step_m = robot.path_m[scan.scan] - robot.path_m[scan.scan - 1];
-    return fault.amount * (drift && stretch_m > 0.0 ? step_m / stretch_m : 1.0) * fault.twist;
+    if (fault.request.kind == FaultKind::kSlip) return fault.twist;
+    if (!grows_with_drift(fault.request.kind)) return Vector6::Zero();
+    const RobotMotion& robot = truth_[scan.robot];
+    const double stretch_m = robot.path_m[fault.last.scan] - robot.path_m[fault.first.scan];
+    if (stretch_m <= 0.0) return Vector6::Zero();
+    Vector6 error = Vector6::Zero();
+    error.head<3>() = robot.T_world_sensor[scan.scan].rotation().conjugate() * fault.push_m;
+    error[5] = fault.twist[5];
+    return (robot.path_m[scan.scan] - robot.path_m[scan.scan - 1]) / stretch_m * error;
   }
 
   // The robot's start, tied to the first robot's, and its odometry.
@@ -79,8 +83,8 @@ class MissionGraph {
     Pose3 T = robot.T_world_sensor.front();
     Rng rng(seed_, kOdometry + 10 * r);
     if (r > 0) {
-      Pose3 T_first_start = noisy(true_relative(truth_, {0, 0}, {r, 0}), options_.closure_sigma_m,
-                                  options_.closure_sigma_rad, rng);
+      Pose3 T_first_start =
+          noisy(true_relative(truth_, {0, 0}, {r, 0}), options_.closure_sigma_m, options_.closure_sigma_rad, rng);
       for (const PlannedFault& fault : faults) {
         if (fault.request.kind != FaultKind::kFrameOffset || fault.scan.robot != r) continue;
         // The displacement is wanted where the robots meet, not where this robot starts.
@@ -95,7 +99,7 @@ class MissionGraph {
         drifting_odometry(robot.T_world_sensor, robot.path_m, options_.drift, Rng(seed_, kOdometry + 10 * r + 1));
     for (std::size_t i = 1; i < robot.T_world_sensor.size(); ++i) {
       Pose3 step = odometry[i - 1];
-      for (const PlannedFault& fault : faults) step = step * Pose3::exp(step_error(fault, robot, {r, i}));
+      for (const PlannedFault& fault : faults) step = step * Pose3::exp(step_error(fault, {r, i}));
       T = T * step;
       graph.T_world_node.push_back(T);
       graph.edges.push_back(odometry_edge(r, i, step));
@@ -144,30 +148,33 @@ class MissionGraph {
   std::vector<std::size_t> first_node_;
 };
 
-Fault measured(Truth truth, const PlannedFault& plan, const Poses& poses) {
+Vector6 seen_error(Truth truth, const PlannedFault& plan, const Poses& poses) {
   const auto [scan, against] = std::pair(plan.scan, plan.against);
-  const Vector6 error = relative_error(truth[against.robot].T_world_sensor[against.scan],
-                                       truth[scan.robot].T_world_sensor[scan.scan], poses[against.robot][against.scan],
-                                       poses[scan.robot][scan.scan]);
+  return relative_error(truth[against.robot].T_world_sensor[against.scan], truth[scan.robot].T_world_sensor[scan.scan],
+                        poses[against.robot][against.scan], poses[scan.robot][scan.scan]);
+}
+
+Fault measured(Truth truth, const PlannedFault& plan, const Poses& poses) {
+  const Vector6 error = seen_error(truth, plan, poses);
   return {plan.request.kind,
-          static_cast<int>(scan.robot),
+          static_cast<int>(plan.scan.robot),
           plan.first.scan,
-          scan.scan,
-          static_cast<int>(against.robot),
-          against.scan,
+          plan.scan.scan,
+          static_cast<int>(plan.against.robot),
+          plan.against.scan,
           error.head<3>().norm(),
           error.tail<3>().norm()};
 }
 
-// Scales drifts towards their asked sizes. \return whether all are within two per cent.
+// Pushes drifts towards their asked displacement. \return whether all are within two per cent of its size.
 bool tune(Truth truth, std::span<PlannedFault> faults, const Poses& poses) {
   bool settled = true;
   for (PlannedFault& fault : faults) {
     if (!grows_with_drift(fault.request.kind)) continue;
-    const double ratio = fault.request.size_m / std::max(1e-6, measured(truth, fault, poses).size_m);
-    if (std::abs(ratio - 1.0) < 0.02) continue;
+    const Eigen::Vector3d missing_m = (fault.twist - seen_error(truth, fault, poses)).head<3>();
+    if (missing_m.norm() < 0.02 * fault.request.size_m) continue;
     settled = false;
-    fault.amount = std::clamp(fault.amount * std::clamp(ratio, 0.5, 2.0), 0.01, 100.0);
+    fault.push_m += truth[fault.scan.robot].T_world_sensor[fault.scan.scan].rotation() * missing_m;
   }
   return settled;
 }

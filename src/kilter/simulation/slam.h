@@ -28,8 +28,8 @@ struct SlamOptions {
   double closure_spacing_m = 2.0;   ///< path between two closures
   double closure_sigma_m = 0.01;    ///< error of a closure, along each axis
   double closure_sigma_rad = 0.001;
-  bool within_robots = true;        ///< look for closures of a robot with itself
-  bool between_robots = true;       ///< and with the others
+  bool within_robots = true;   ///< look for closures of a robot with itself
+  bool between_robots = true;  ///< and with the others
 };
 
 /// What the mission's map is drawn with, and what is wrong with it.

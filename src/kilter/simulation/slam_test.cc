@@ -31,10 +31,10 @@ std::vector<RobotMotion> two_rings() {
 double worst_step_m(const RobotMotion& truth, const std::vector<Pose3>& estimate) {
   double worst_m = 0.0;
   for (std::size_t i = 1; i < estimate.size(); ++i) {
-    worst_m = std::max(worst_m, relative_error(truth.T_world_sensor[i - 1], truth.T_world_sensor[i], estimate[i - 1],
-                                               estimate[i])
-                                    .head<3>()
-                                    .norm());
+    worst_m = std::max(
+        worst_m, relative_error(truth.T_world_sensor[i - 1], truth.T_world_sensor[i], estimate[i - 1], estimate[i])
+                     .head<3>()
+                     .norm());
   }
   return worst_m;
 }
@@ -44,15 +44,16 @@ double worst_meeting_m(const std::vector<RobotMotion>& truth, const SlamResult& 
   double worst_m = 0.0;
   for (const Meeting& meeting : find_meetings(truth, {})) {
     const auto [a, b] = std::pair(meeting.earlier, meeting.later);
-    const Vector6 error = relative_error(truth[a.robot].T_world_sensor[a.scan], truth[b.robot].T_world_sensor[b.scan],
-                                         result.T_world_sensor[a.robot][a.scan], result.T_world_sensor[b.robot][b.scan]);
+    const Vector6 error =
+        relative_error(truth[a.robot].T_world_sensor[a.scan], truth[b.robot].T_world_sensor[b.scan],
+                       result.T_world_sensor[a.robot][a.scan], result.T_world_sensor[b.robot][b.scan]);
     worst_m = std::max(worst_m, error.head<3>().norm());
   }
   return worst_m;
 }
 
-SlamResult solve(const std::vector<RobotMotion>& truth, const std::vector<FaultRequest>& faults,
-                 std::uint64_t seed = 1, const SlamOptions& options = {}) {
+SlamResult solve(const std::vector<RobotMotion>& truth, const std::vector<FaultRequest>& faults, std::uint64_t seed = 1,
+                 const SlamOptions& options = {}) {
   Expected<SlamResult> result = run_slam(truth, faults, options, seed);
   EXPECT_TRUE(result.has_value()) << (result ? "" : result.error().message);
   return *result;
@@ -104,8 +105,7 @@ TEST(Slam, MissedClosureHasTheAskedSizeAndNoStepShowsIt) {
 TEST(Slam, FrameOffsetMovesOneRobotAsAWhole) {
   const auto truth = two_rings();
   const SlamResult good = solve(truth, {});
-  const SlamResult bad =
-      solve(truth, {{.kind = FaultKind::kFrameOffset, .robot = 1, .size_m = 0.5, .size_rad = 0.02}});
+  const SlamResult bad = solve(truth, {{.kind = FaultKind::kFrameOffset, .robot = 1, .size_m = 0.5, .size_rad = 0.02}});
   EXPECT_NEAR(bad.faults.at(0).size_m, 0.5, 0.08);
   EXPECT_EQ(bad.faults.at(0).against_robot, 0);
   EXPECT_LT(worst_step_m(truth[1], bad.T_world_sensor[1]), 0.03);

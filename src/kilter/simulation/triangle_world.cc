@@ -140,13 +140,8 @@ void TriangleMesh::append(const TriangleMesh& other, const Pose3& T) {
   materials.insert(materials.end(), other.materials.begin(), other.materials.end());
 }
 
-double TriangleMesh::radius_m() const {
-  double radius_m = 0.0;
-  for (const Eigen::Vector3f& vertex : vertices_m) radius_m = std::max(radius_m, static_cast<double>(vertex.norm()));
-  return radius_m;
-}
-
 Pose3 MovingObject::pose_at(double time_s) const {
+  if (circuit_m.empty()) return {};
   KILTER_EXPECTS(circuit_m.size() >= 2);
   const double length_m = circuit_length_m(circuit_m);
   double left_m = std::fmod(start_m + speed_mps * time_s, length_m);
@@ -160,6 +155,11 @@ Pose3 MovingObject::pose_at(double time_s) const {
   }
   const Vector3d at = circuit_m[i] + leg.normalized() * left_m;
   return {Eigen::Quaterniond(Eigen::AngleAxisd(std::atan2(leg.y(), leg.x()), Vector3d::UnitZ())), at};
+}
+
+bool MovingObject::is_there(double time_s) const {
+  return std::none_of(absent.begin(), absent.end(),
+                      [time_s](const TimeSpan& span) { return time_s >= span.from_s && time_s <= span.to_s; });
 }
 
 }  // namespace kilter

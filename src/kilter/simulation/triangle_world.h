@@ -56,20 +56,26 @@ struct TriangleMesh {
 
   /// Adds another mesh, moved by T.
   void append(const TriangleMesh& other, const Pose3& T);
-
-  /// Distance from the frame's origin to the farthest vertex. [m]
-  [[nodiscard]] double radius_m() const;
 };
 
-/// A car or a person: a mesh that goes round a closed polyline at constant speed, looking ahead.
+/// From one moment to another; both included.
+struct TimeSpan {
+  double from_s = 0.0;
+  double to_s = 0.0;
+};
+
+/// A car or a person: a mesh that goes round a closed polyline at constant speed, looking ahead. Or a door: no
+/// circuit, and gone while it is open.
 struct MovingObject {
   TriangleMesh mesh;                       ///< object frame: x ahead, origin on the ground
-  std::vector<Eigen::Vector3d> circuit_m;  ///< >= 2 distinct corners; the last leads back to the first
+  std::vector<Eigen::Vector3d> circuit_m;  ///< >= 2 distinct corners; the last leads back to the first. Empty: stays
   double speed_mps = 1.0;
   double start_m = 0.0;  ///< how far along the circuit it is at time 0
+  std::vector<TimeSpan> absent = {};
 
   /// T_world_object at a time.
   [[nodiscard]] Pose3 pose_at(double time_s) const;
+  [[nodiscard]] bool is_there(double time_s) const;
 };
 
 /// Everything that a beam can hit. World frame: z up, metres.

@@ -24,8 +24,9 @@ constexpr double kThetaSpreads = 3.0;
 constexpr double kThetaSlack = 0.3;
 // Never sure beyond this, whatever the Gaussian tail says: the model is only a model.
 constexpr double kMaxLogOdds = 30.0;
-// Registration always moves a little; the fit must gain at least this share of the mean distance to count as better.
-constexpr double kLeastGain = 0.05;
+// Registration always moves a little: a displacement counts only if this many times as many points support the new
+// pose (lie within a quarter voxel of the other submap's planes) as the map's.
+constexpr double kLeastGain = 1.15;
 
 double median_of(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
@@ -56,11 +57,8 @@ double theta_limit(const MapNull& null) {
   return null.log10_theta - std::max(kThetaSpreads * null.log10_theta_spread, kThetaSlack);
 }
 
-bool fit_improved(const PairEvidence& pair) {
-  const PoseEvidence& before = pair.map;
-  const PoseEvidence& after = *pair.registered;
-  return after.mean_distance_m < (1.0 - kLeastGain) * before.mean_distance_m ||
-         after.conflict.share() + 0.01 < before.conflict.share();
+bool fit_improved(const RegistrationResult& registration) {
+  return static_cast<double>(registration.support_end) >= kLeastGain * static_cast<double>(registration.support_start);
 }
 
 void note_measurements(const PairEvidence& pair, const MapNull& null, PairVerdict& verdict) {
@@ -77,6 +75,11 @@ void note_measurements(const PairEvidence& pair, const MapNull& null, PairVerdic
       verdict.evidence["conflict_registered"] = {pair.registered->conflict.share(), null.conflict, std::nullopt};
     }
   }
+}
+
+void note_support(const RegistrationResult& registration, PairVerdict& verdict) {
+  verdict.evidence["support"] = {static_cast<double>(registration.support_start),
+                                 static_cast<double>(registration.support_end), std::nullopt};
 }
 
 void note_offset(const OffsetEstimate& offset, const JudgeOptions& options, PairVerdict& verdict) {
@@ -177,6 +180,7 @@ PairVerdict judge_pair(const PairEvidence& pair, const MapNull& null, const Judg
   verdict.unobservable = pair.registration->unobservable;
   const OffsetEstimate offset = estimate_offset(*pair.registration, pair.T_target_source);
   note_offset(offset, options, verdict);
+  note_support(*pair.registration, verdict);
   const std::string measured = fmt::format("offset {} ({} to {})", in_cm(offset.offset_m),
                                            in_cm((*verdict.offset_interval_m)[0]), in_cm((*verdict.offset_interval_m)[1]));
   const std::string why_not = doubt(pair, null);
@@ -184,7 +188,7 @@ PairVerdict judge_pair(const PairEvidence& pair, const MapNull& null, const Judg
   if (!why_not.empty()) {
     verdict.reason = fmt::format("{}; {}", measured, why_not);
     verdict.p_value.reset();
-  } else if (beyond && !fit_improved(pair)) {
+  } else if (beyond && !fit_improved(*pair.registration)) {
     verdict.reason = fmt::format("{}, but the pair agrees no better there", measured);
     verdict.p_value.reset();
   } else if (beyond) {

@@ -29,6 +29,8 @@ PairEvidence pair_moved(double offset_m, double sigma_m, PairKind kind = PairKin
   variances.head<3>().setConstant(sigma_m * sigma_m);
   registration.covariance_measured = variances.asDiagonal();
   registration.covariance_centre = registration.covariance_measured;
+  registration.support_start = 2000;
+  registration.support_end = 4000;
   pair.registration = registration;
   pair.registered = pair.map;
   pair.registered->mean_distance_m = 0.05;
@@ -89,7 +91,7 @@ TEST(JudgePair, AnOptimumThatStillConflictsIsNotBelieved) {
   lost.registered->overlap = 0.3;
   EXPECT_EQ(verdict_of(lost), Verdict::kUnverified);
   PairEvidence no_better = pair_moved(0.3, 0.01);
-  no_better.registered->mean_distance_m = no_better.map.mean_distance_m;
+  no_better.registration->support_end = no_better.registration->support_start;
   EXPECT_EQ(verdict_of(no_better), Verdict::kUnverified);
 }
 

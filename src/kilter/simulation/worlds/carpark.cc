@@ -78,14 +78,16 @@ void build_surroundings(TriangleMesh& mesh, const ParkPlan& plan, Rng& rng) {
   }
   add_wall(mesh, facade, Material::kConcrete);
   // What is seen through the windows.
-  mesh.add_box({.center_m = {-2.0, plan.north_m() + 5.0, 4.0}, .size_m = {2.0 * reach_m, 0.2, 9.0}}, Material::kPlaster);
+  mesh.add_box({.center_m = {-2.0, plan.north_m() + 5.0, 4.0}, .size_m = {2.0 * reach_m, 0.2, 9.0}},
+               Material::kPlaster);
   for (double x = -reach_m; x < reach_m; x += 5.0 + rng.uniform(0.0, 3.0)) {
     add_tree(mesh, on_ground(x, plan.south_m() - 2.5 - rng.uniform(0.0, 2.0)), rng.uniform(5.0, 9.0),
              rng.uniform(1.5, 2.6), rng);
   }
   for (double y = plan.south_m(); y < plan.north_m(); y += 6.0 + rng.uniform(0.0, 2.0)) {
-    mesh.add_box({.center_m = on_ground(-reach_m, y) + Vector3d(0.0, 0.0, 0.5), .size_m = {0.8, rng.uniform(3.0, 5.0), 1.0}},
-                 Material::kFoliage);
+    mesh.add_box(
+        {.center_m = on_ground(-reach_m, y) + Vector3d(0.0, 0.0, 0.5), .size_m = {0.8, rng.uniform(3.0, 5.0), 1.0}},
+        Material::kFoliage);
     add_lamp_post(mesh, on_ground(reach_m, y), 6.0);
   }
 }
@@ -144,7 +146,8 @@ Scene make_carpark(const SceneOptions& options) {
   scene.scan_step_m = 1.0;
   scene.slam.closure_distance_m = 2.5;
   scene.slam.closure_spacing_m = 4.0;
-  scene.faults = {{.kind = FaultKind::kMissedClosure, .robot = 0, .from = 0.3, .at = 0.75, .size_m = 1.2, .size_rad = 0.02}};
+  scene.faults = {
+      {.kind = FaultKind::kMissedClosure, .robot = 0, .from = 0.3, .at = 0.75, .size_m = 1.2, .size_rad = 0.02}};
   if (options.robots >= 2) {
     scene.faults.push_back({.kind = FaultKind::kSlip, .robot = 1, .at = 0.4, .size_m = 0.5, .size_rad = 0.05});
   }

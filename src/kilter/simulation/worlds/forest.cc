@@ -83,7 +83,8 @@ Scene make_forest(const SceneOptions& options) {
       add_tree(mesh, at, height_m, plants.uniform(1.2, 2.4), plants);
     }
   }
-  finish_routes(scene, options, {.speed_mps = 0.9, .corner_radius_m = 1.0, .sensor_height_m = 0.9, .sway_rad = 0.015, .heave_m = 0.01});
+  finish_routes(scene, options,
+                {.speed_mps = 0.9, .corner_radius_m = 1.0, .sensor_height_m = 0.9, .sway_rad = 0.015, .heave_m = 0.01});
   scene.scan_step_m = 1.0;
   scene.slam.closure_distance_m = 2.5;
   scene.faults = {{.kind = FaultKind::kWrongClosure, .robot = 0, .at = 0.85, .size_m = 0.8}};

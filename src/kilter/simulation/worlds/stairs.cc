@@ -84,16 +84,11 @@ std::vector<Vector3d> way_up(double length_m) {
   const double foot = length_m + kFoot_m;
   const double landing = foot + kSteps * kRun_m;
   const double half = 0.5 * kStoreyPitch_m;
-  return {{foot - 0.9, 0.0, 0.0},
-          {foot - 0.9, -kFlight_y_m, 0.0},
-          {foot, -kFlight_y_m, 0.0},
-          {landing, -kFlight_y_m, half},
-          {landing + 1.0, -kFlight_y_m, half},
-          {landing + 1.0, kFlight_y_m, half},
-          {landing, kFlight_y_m, half},
-          {foot, kFlight_y_m, kStoreyPitch_m},
-          {foot - 0.9, kFlight_y_m, kStoreyPitch_m},
-          {foot - 0.9, 0.0, kStoreyPitch_m}};
+  return {
+      {foot - 0.9, 0.0, 0.0},           {foot - 0.9, -kFlight_y_m, 0.0},     {foot, -kFlight_y_m, 0.0},
+      {landing, -kFlight_y_m, half},    {landing + 1.0, -kFlight_y_m, half}, {landing + 1.0, kFlight_y_m, half},
+      {landing, kFlight_y_m, half},     {foot, kFlight_y_m, kStoreyPitch_m}, {foot - 0.9, kFlight_y_m, kStoreyPitch_m},
+      {foot - 0.9, 0.0, kStoreyPitch_m}};
 }
 
 }  // namespace

@@ -80,13 +80,10 @@ void Storey::corridor_things(const Vector2d& at_m, const Vector2d& into_corridor
 }
 
 void Storey::plain_wall(const Vector2d& start_m, const Vector2d& end_m, double thickness_m) {
-  add_wall(mesh_,
-           {.start_m = start_m,
-            .end_m = end_m,
-            .floor_z_m = floor_z_m_,
-            .height_m = height_m_,
-            .thickness_m = thickness_m},
-           Material::kPlaster);
+  add_wall(
+      mesh_,
+      {.start_m = start_m, .end_m = end_m, .floor_z_m = floor_z_m_, .height_m = height_m_, .thickness_m = thickness_m},
+      Material::kPlaster);
 }
 
 void Storey::facade(const Vector2d& start_m, const Vector2d& end_m) {

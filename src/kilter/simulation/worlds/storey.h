@@ -17,7 +17,7 @@ struct Area {
 
 /// An open door that a robot may pass.
 struct Door {
-  Eigen::Vector2d at_m;      ///< middle of the door
+  Eigen::Vector2d at_m;       ///< middle of the door
   Eigen::Vector2d into_room;  ///< unit
 };
 

@@ -28,10 +28,12 @@ void add_bay(TriangleMesh& mesh, double x, double y, Rng& rng) {
     mesh.add_box({.center_m = {x, y + side * kRackDepth_m, 2.6}, .size_m = {0.1, 0.1, 5.2}}, Material::kMetal);
   }
   for (const double level_m : kLevels_m) {
-    mesh.add_box({.center_m = {x + 0.5 * kBay_m, y, level_m - 0.06}, .size_m = {kBay_m, kRackDepth_m, 0.12}}, Material::kMetal);
+    mesh.add_box({.center_m = {x + 0.5 * kBay_m, y, level_m - 0.06}, .size_m = {kBay_m, kRackDepth_m, 0.12}},
+                 Material::kMetal);
     for (int i = 0; i < 3; ++i) {
       if (rng.uniform() < 0.08) continue;
-      mesh.add_box({.center_m = {x + 0.45 + 0.87 * i + 0.05, y, level_m + 0.55}, .size_m = {0.78, 1.0, 1.1}}, Material::kWood);
+      mesh.add_box({.center_m = {x + 0.45 + 0.87 * i + 0.05, y, level_m + 0.55}, .size_m = {0.78, 1.0, 1.1}},
+                   Material::kWood);
     }
   }
 }
@@ -85,7 +87,8 @@ Scene make_warehouse(const SceneOptions& options) {
   Rng furniture = part_rng(options, WorldPart::kFurniture);
   build_hall(scene.world.fixed, plan, furniture);
   for (int i = 0; i < plan.racks; ++i) {
-    for (double x = 0.0; x < plan.length_m - 0.1; x += kBay_m) add_bay(scene.world.fixed, x, plan.rack_y_m(i), furniture);
+    for (double x = 0.0; x < plan.length_m - 0.1; x += kBay_m)
+      add_bay(scene.world.fixed, x, plan.rack_y_m(i), furniture);
   }
   Rng rng = part_rng(options, WorldPart::kRoutes);
   const int last = plan.racks;

@@ -1,0 +1,127 @@
+// SPDX-FileCopyrightText: The kilter authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "kilter/simulation/worlds/floor_plan.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "kilter/simulation/props.h"
+
+namespace kilter {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+Vector2d left_of(const Vector2d& along) { return {-along.y(), along.x()}; }
+
+// One thing against the wall at `at_m`; `out` points from the wall into the corridor.
+void add_thing(TriangleMesh& mesh, const Vector2d& at_m, const Vector2d& out, double height_m, Rng& rng) {
+  const double yaw_rad = std::atan2(out.y(), out.x());
+  const auto at = [&](double off_m, double z) {
+    const Vector2d p = at_m + off_m * out;
+    return Vector3d(p.x(), p.y(), z);
+  };
+  const double draw = rng.uniform();
+  if (draw < 0.35) {
+    mesh.add_box(
+        {.center_m = at(0.1, 0.5 * height_m), .size_m = {0.2, rng.uniform(0.3, 0.6), height_m}, .yaw_rad = yaw_rad},
+        Material::kConcrete);
+  } else if (draw < 0.6) {
+    mesh.add_box({.center_m = at(0.03, 1.05), .size_m = {0.06, 1.0, 2.1}, .yaw_rad = yaw_rad}, Material::kWood);
+  } else if (draw < 0.8) {
+    add_cabinet(mesh, at(0.21, 0.0), yaw_rad, rng);
+  } else {
+    mesh.add_prism(at(0.12, 0.6), 0.09, 0.07, 0.6, 8, Material::kPaint);
+  }
+}
+
+}  // namespace
+
+bool FloorPlan::Strip::contains(const Vector2d& point_m) const {
+  const Vector2d off = point_m - start_m;
+  const double s = off.dot(along);
+  return s > 0.0 && s < length_m && std::abs(off.dot(left)) < half_width_m;
+}
+
+void FloorPlan::add_passage(const Vector2d& start_m, const Vector2d& end_m, double width_m) {
+  const Vector2d along = (end_m - start_m).normalized();
+  strips_.push_back({start_m, along, left_of(along), (end_m - start_m).norm(), 0.5 * width_m});
+}
+
+void FloorPlan::add_corridor(const Vector2d& start_m, const Vector2d& end_m, double width_m) {
+  const Vector2d reach = 0.5 * width_m * (end_m - start_m).normalized();
+  add_passage(start_m - reach, end_m + reach, width_m);
+}
+
+bool FloorPlan::is_free(const Vector2d& point_m, const Strip* except) const {
+  return std::any_of(strips_.begin(), strips_.end(),
+                     [&](const Strip& strip) { return &strip != except && strip.contains(point_m); });
+}
+
+// The parts of one side of a strip that no other strip opens, found in steps of a centimetre.
+void FloorPlan::walls_along(const Strip& strip, const Vector2d& start_m, const Vector2d& end_m,
+                            std::vector<Piece>& pieces) const {
+  constexpr double kStep_m = 0.01;
+  const double length_m = (end_m - start_m).norm();
+  const Vector2d along = (end_m - start_m) / length_m;
+  const int steps = static_cast<int>(std::ceil(length_m / kStep_m));
+  int first = -1;
+  for (int i = 0; i <= steps; ++i) {
+    const bool wall = i < steps && !is_free(start_m + (i + 0.5) / steps * length_m * along, &strip);
+    if (wall && first < 0) first = i;
+    if (wall || first < 0) continue;
+    pieces.push_back({start_m + static_cast<double>(first) / steps * length_m * along,
+                      start_m + static_cast<double>(i) / steps * length_m * along});
+    first = -1;
+  }
+}
+
+std::vector<FloorPlan::Piece> FloorPlan::walls() const {
+  std::vector<Piece> pieces;
+  for (const Strip& strip : strips_) {
+    const Vector2d side = strip.half_width_m * strip.left;
+    const Vector2d far_m = strip.start_m + strip.length_m * strip.along;
+    // Counter-clockwise round the strip, so that the free side is on the left.
+    const Vector2d corners[] = {strip.start_m - side, far_m - side, far_m + side, strip.start_m + side};
+    for (int i = 0; i < 4; ++i) walls_along(strip, corners[i], corners[(i + 1) % 4], pieces);
+  }
+  return pieces;
+}
+
+void FloorPlan::build(TriangleMesh& mesh, double height_m, const std::vector<std::vector<Vector3d>>& ways,
+                      double clear_m, Rng& rng) const {
+  Vector2d low = strips_.front().start_m;
+  Vector2d high = low;
+  for (const Piece& piece : walls()) {
+    low = low.cwiseMin(piece.start_m).cwiseMin(piece.end_m);
+    high = high.cwiseMax(piece.start_m).cwiseMax(piece.end_m);
+    mesh.add_quad({piece.start_m.x(), piece.start_m.y(), 0.0}, {piece.end_m.x(), piece.end_m.y(), 0.0},
+                  {piece.end_m.x(), piece.end_m.y(), height_m}, {piece.start_m.x(), piece.start_m.y(), height_m},
+                  Material::kPlaster);
+    const Vector2d along = (piece.end_m - piece.start_m).normalized();
+    const double length_m = (piece.end_m - piece.start_m).norm();
+    for (double s = rng.uniform(0.5, 2.0); s < length_m - 0.5; s += rng.uniform(1.2, 2.6)) {
+      const Vector2d at_m = piece.start_m + s * along;
+      if (distance_to_ways_m(ways, at_m) > clear_m) add_thing(mesh, at_m, left_of(along), height_m, rng);
+    }
+  }
+  mesh.add_floor(low.x(), low.y(), high.x(), high.y(), 0.0, Material::kConcrete);
+  mesh.add_floor(low.x(), low.y(), high.x(), high.y(), height_m, Material::kPlaster);
+}
+
+double distance_to_ways_m(const std::vector<std::vector<Vector3d>>& ways, const Vector2d& point_m) {
+  double best_m = std::numeric_limits<double>::infinity();
+  for (const std::vector<Vector3d>& way : ways) {
+    for (std::size_t i = 0; i + 1 < way.size(); ++i) {
+      const Vector2d a = way[i].head<2>();
+      const Vector2d leg = way[i + 1].head<2>() - a;
+      const double share = std::clamp((point_m - a).dot(leg) / std::max(1e-9, leg.squaredNorm()), 0.0, 1.0);
+      best_m = std::min(best_m, (a + share * leg - point_m).norm());
+    }
+  }
+  return best_m;
+}
+
+}  // namespace kilter
