@@ -127,6 +127,9 @@ std::string doubt(const PairEvidence& pair, const MapNull& null) {
 
 std::vector<OptionField> fields(JudgeOptions& o) {
   return {
+      choice_option("judge", o.method, {"displacement", "gamma"},
+                    "What verdicts rest on: registration's displacement against the tolerance, or the paper's Gamma and "
+                    "Theta alone."),
       real_option("tolerance", o.tolerance_m, Unit::kMetre, 0.001, 100.0,
                   "Disagreement (RMS displacement over what both submaps saw) that can be lived with."),
       real_option("alpha", o.alpha, Unit::kRatio, 1e-9, 0.5,
@@ -155,7 +158,9 @@ MapNull estimate_null(std::span<const PairEvidence> pairs) {
     if (theta && theta->log10_gamma) thetas.push_back(*theta->log10_gamma);
     if (pair.registered->conflict.known() > 0) conflicts.push_back(pair.registered->conflict.share());
   }
-  null.log10_gamma = typical_of(gammas).median;
+  const Typical gamma = typical_of(gammas);
+  null.log10_gamma = gamma.median;
+  null.log10_gamma_spread = gamma.spread;
   const Typical theta = typical_of(thetas);
   null.log10_theta = theta.median;
   null.log10_theta_spread = theta.spread;
@@ -203,6 +208,40 @@ PairVerdict judge_pair(const PairEvidence& pair, const MapNull& null, const Judg
   } else {
     verdict.reason = fmt::format("{}: too uncertain to be told from the tolerance of {}", measured,
                                  in_cm(options.tolerance_m));
+  }
+  return verdict;
+}
+
+PairVerdict judge_pair_by_gamma(const PairEvidence& pair, const MapNull& null, double resolution_m) {
+  PairVerdict verdict;
+  note_measurements(pair, null, verdict);
+  if (!pair.overlaps || !pair.map.score) {
+    verdict.reason = pair.gate;
+    return verdict;
+  }
+  const bool registered = pair.registered && pair.registered->score;
+  if (registered) {
+    const OffsetEstimate offset = estimate_offset(*pair.registration, pair.T_target_source);
+    verdict.offset_m = offset.offset_m;
+    verdict.offset_rad = offset.offset_rad;
+    verdict.offset_vector_m = offset.vector_m;
+  }
+  const std::optional<double> gamma = pair.map.score->log10_gamma;
+  const double limit = null.log10_gamma - kThetaSpreads * null.log10_gamma_spread;
+  const bool has_theta = registered && pair.registered->score->log10_gamma.has_value();
+  const double theta = has_theta ? *pair.registered->score->log10_gamma : 0.0;
+  if (!gamma || *gamma >= limit) {
+    verdict.verdict = Verdict::kConsistent;
+    verdict.reason = gamma ? fmt::format("log10 Gamma {:.2f} is in line with this map (from {:.2f})", *gamma, limit)
+                           : std::string("Gamma is infinite: all distances are equal or zero");
+  } else if (has_theta && theta - *gamma >= kThetaSlack && *verdict.offset_m > resolution_m) {
+    verdict.verdict = Verdict::kInconsistent;
+    verdict.reason = fmt::format("log10 Gamma {:.2f} is low for this map (from {:.2f}), registered {:.2f}: verified",
+                                 *gamma, limit, theta);
+  } else {
+    verdict.reason =
+        fmt::format("log10 Gamma {:.2f} is low for this map (from {:.2f}), but registration does not verify it: {}",
+                    *gamma, limit, has_theta ? fmt::format("it reaches {:.2f}", theta) : std::string("it failed"));
   }
   return verdict;
 }
