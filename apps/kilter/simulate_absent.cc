@@ -11,7 +11,7 @@ namespace kilter::app {
 
 // Built in the place of simulate_command.cc where Embree was not found.
 void add_simulate_command(CLI::App& program, int& status) {
-  CLI::App* app = program.add_subcommand("simulate", "not in this build: it needs Embree 3");
+  CLI::App* app = program.add_subcommand("simulate", "not in this build: it needs Embree");
   app->allow_extras();
   app->callback([&status] {
     status = print_error({ErrorCode::kMissingDependency,
