@@ -27,6 +27,7 @@ constexpr const char* kExamples = R"(Examples:
   kilter check mission -o result     the same, results into the folder `result`
   kilter check a=run1 b=run2         robots named one by one
   kilter info mission                what is in there?
+  kilter simulate office -o demo     a mission with known faults, to try it on
   kilter config show                 every key, its unit, range and meaning
 
 Exit status of check: 0 consistent, 1 inconsistent, 4 undetermined;
@@ -86,6 +87,7 @@ int run(int argc, char** argv) {
   int status = kExitGood;
   add_check_command(program, status);
   add_info_command(program, status);
+  add_simulate_command(program, status);
   add_config_command(program, status);
   add_explain_command(program, status);
   if (const std::optional<Error> error = find_unknown_command(program, argc, argv)) return print_error(*error);
