@@ -163,7 +163,7 @@ Scene make_office(const SceneOptions& options) {
     scene.routes.push_back({ring_route(plan, rings[r], storey.open_doors(), rng), {}, 0.0});
   }
   finish_routes(scene, options, {});
-  scene.faults = {{.kind = FaultKind::kSlip, .robot = 0, .at = 0.75, .size_m = 0.35, .size_rad = 0.06}};
+  scene.faults = {{.kind = FaultKind::kSlip, .robot = 0, .at = 0.75, .size_m = 0.35, .size_rad = 0.03}};
   if (options.robots >= 2) {
     scene.faults.push_back({.kind = FaultKind::kFrameOffset, .robot = 1, .size_m = 0.3, .size_rad = 0.01});
     scene.faults.push_back(
