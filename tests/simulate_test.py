@@ -1,0 +1,107 @@
+# SPDX-FileCopyrightText: The kilter authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""`kilter simulate` from outside: layout, formats, repeatability, refusals, and that `check` sees what was planted."""
+
+import json
+import tempfile
+import unittest
+from pathlib import Path
+
+from kilter_runner import main, run_kilter
+
+QUICK = ("--scan-step", "1.5", "--columns", "360")
+
+
+def simulator_is_built() -> bool:
+    return "not built in" not in run_kilter("--help").stdout
+
+
+def tree_bytes(folder: Path) -> dict[str, bytes]:
+    """Content of every file below a folder by its relative name."""
+    return {str(path.relative_to(folder)): path.read_bytes() for path in sorted(folder.rglob("*")) if path.is_file()}
+
+
+@unittest.skipUnless(simulator_is_built(), "this kilter has no simulator")
+class Simulate(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = Path(folder.name)
+
+    def simulate(self, name, *arguments):
+        run = run_kilter("simulate", *arguments, "-o", self.folder / name)
+        self.assertEqual(run.status, 0, run.stderr)
+        return self.folder / name
+
+    def test_a_mission_has_the_promised_layout_and_info_reads_it(self):
+        for form in ("bin", "pcd"):
+            with self.subTest(form):
+                made = self.simulate(form, "office", "--robots", "3", "--format", form, *QUICK)
+                for robot in "abc":
+                    scans = sorted(path.name for path in (made / "mission" / robot / "scans").iterdir())
+                    self.assertEqual(scans[0], f"000000.{form}")
+                    for side in ("mission", "truth"):
+                        lines = (made / side / robot / "poses.tum").read_text(encoding="utf-8").splitlines()
+                        self.assertEqual(len(lines), len(scans))
+                        self.assertTrue(all(len(line.split()) == 8 for line in lines))
+                info = run_kilter("info", made / "mission", "--json")
+                self.assertEqual(info.status, 0, info.stderr)
+                self.assertEqual([robot["name"] for robot in json.loads(info.stdout)["robots"]], ["a", "b", "c"])
+
+    def test_the_same_seed_gives_the_same_bytes_for_any_jobs_and_another_seed_does_not(self):
+        one = tree_bytes(self.simulate("one", "carpark", "--seed", "5", "--jobs", "1", *QUICK))
+        two = tree_bytes(self.simulate("two", "carpark", "--seed", "5", "--jobs", "2", *QUICK))
+        other = tree_bytes(self.simulate("other", "carpark", "--seed", "6", *QUICK))
+        self.assertEqual(one, two)
+        self.assertNotEqual(one["mission/a/scans/000000.bin"], other["mission/a/scans/000000.bin"])
+
+    def test_faults_are_listed_with_the_size_asked_for(self):
+        made = self.simulate("faulty", "office", "--fault", "slip:a:0.4:0.5", "--fault", "missed-closure:b:0.7", *QUICK)
+        listed = json.loads((made / "truth" / "faults.json").read_text(encoding="utf-8"))
+        self.assertEqual(listed["schema"], "kilter.faults/1")
+        slip, missed = listed["faults"]
+        self.assertEqual((slip["kind"], slip["robot"]), ("slip", "a"))
+        self.assertAlmostEqual(slip["size_m"], 0.4, delta=0.05)
+        self.assertEqual((missed["kind"], missed["robot"], missed["against_robot"]), ("missed-closure", "b", "b"))
+        self.assertAlmostEqual(missed["size_m"], 0.7, delta=0.05)
+
+    def test_without_a_fault_the_estimate_is_the_truth_to_centimetres(self):
+        made = self.simulate("clean", "office", "--fault", "none", *QUICK)
+        for robot in "ab":
+            poses = [[[float(word) for word in line.split()[1:4]] for line in
+                      (made / side / robot / "poses.tum").read_text(encoding="utf-8").splitlines()]
+                     for side in ("mission", "truth")]
+            worst_m = max(max(abs(a - b) for a, b in zip(*pair)) for pair in zip(*poses))
+            self.assertGreater(worst_m, 0.001)
+            self.assertLess(worst_m, 0.15)
+
+    def test_an_earlier_mission_is_only_replaced_on_request(self):
+        made = self.simulate("again", "tunnel", *QUICK)
+        run = run_kilter("simulate", "tunnel", "-o", made, *QUICK)
+        self.assertEqual(run.status, 2)
+        self.assertIn("--replace", run.stderr)
+        before = tree_bytes(made)
+        self.simulate("again", "tunnel", "--replace", "--seed", "2", *QUICK)
+        self.assertNotEqual(tree_bytes(made), before)
+
+    def test_what_does_not_exist_is_refused_with_the_nearest_name(self):
+        for arguments, hint in ((["offise"], "did you mean office?"), (["office", "--beams", "17"], "16, 32 or 64"),
+                                (["office", "--fault", "gremlin"], "slip"), (["office", "--robots", "9"], "robots"),
+                                (["office", "--fault", "slip:a:-1"], "0.001"), (["office", "--set", "colums=3"], "columns"),
+                                (["tunnel", "--robots", "1", "--fault", "frame-offset:b"], "robot")):
+            with self.subTest(arguments):
+                run = run_kilter("simulate", *arguments, "-o", self.folder / "refused")
+                self.assertEqual(run.status, 2, run.stderr)
+                self.assertIn(hint, run.stderr)
+                self.assertFalse((self.folder / "refused").exists())
+
+    def test_check_finds_a_planted_slip_and_calls_the_truth_consistent(self):
+        made = self.simulate("office", "office", "--seed", "2", "--fault", "slip:a:0.5:0.6", "--set", "columns=900")
+        found = run_kilter("check", made / "mission", "-o", self.folder / "found")
+        self.assertEqual(found.status, 1, found.stderr)
+        truth = run_kilter("check", made / "mission", "--poses", made / "truth", "-o", self.folder / "truth-out")
+        self.assertEqual(truth.status, 0, truth.stdout + truth.stderr)
+
+
+if __name__ == "__main__":
+    main()
