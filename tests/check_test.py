@@ -307,6 +307,20 @@ class Trouble(CheckCase):
         self.assertRegex(run.stderr, r"(?m)^out-of-memory: ")
         self.assertFalse(self.out.exists())
 
+    def test_a_closed_standard_error_changes_nothing(self):
+        command = ["sh", "-c", 'exec "$0" "$@" 2>&-', str(kilter_binary()), "check", str(self.tiny.mission), "-o",
+                   str(self.out), "--verbose", *self.settings]
+        run = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=False)
+        self.assertEqual(run.returncode, 1)
+        self.assertTrue(run.stdout.startswith("INCONSISTENT"))
+        run = subprocess.run([*command[:5], "no/such/mission"], stdout=subprocess.PIPE, text=True, check=False)
+        self.assertEqual((run.returncode, run.stdout), (3, ""))
+
+    def test_an_output_folder_without_a_name_is_refused(self):
+        run = run_kilter("check", self.tiny.mission, "-o", "")
+        self.assertNotIn(run.status, (0, 1, 4), run.stdout)
+        self.assertNotEqual(run.stderr, "")
+
     @unittest.skipIf(not os.path.exists("/dev/full"), "there is no /dev/full here")
     def test_a_standard_output_that_takes_nothing_ends_with_5(self):
         with open("/dev/full", "w", encoding="ascii") as full:

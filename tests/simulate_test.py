@@ -87,7 +87,7 @@ class Simulate(unittest.TestCase):
     def test_what_does_not_exist_is_refused_with_the_nearest_name(self):
         for arguments, hint in ((["offise"], "did you mean office?"), (["office", "--beams", "17"], "16, 32 or 64"),
                                 (["office", "--fault", "gremlin"], "slip"), (["office", "--robots", "9"], "robots"),
-                                (["office", "--fault", "slip:a:-1"], "0.001"), (["office", "--set", "colums=3"], "columns"),
+                                (["office", "--fault", "slip:a:-1"], "above 0"), (["office", "--set", "colums=3"], "colums"),
                                 (["tunnel", "--robots", "1", "--fault", "frame-offset:b"], "robot")):
             with self.subTest(arguments):
                 run = run_kilter("simulate", *arguments, "-o", self.folder / "refused")
@@ -96,7 +96,7 @@ class Simulate(unittest.TestCase):
                 self.assertFalse((self.folder / "refused").exists())
 
     def test_check_finds_a_planted_slip_and_calls_the_truth_consistent(self):
-        made = self.simulate("office", "office", "--seed", "2", "--fault", "slip:a:0.5:0.6", "--set", "columns=900")
+        made = self.simulate("office", "office", "--seed", "2", "--fault", "slip:a:0.5:0.6", "--columns", "900")
         found = run_kilter("check", made / "mission", "-o", self.folder / "found")
         self.assertEqual(found.status, 1, found.stderr)
         truth = run_kilter("check", made / "mission", "--poses", made / "truth", "-o", self.folder / "truth-out")

@@ -30,6 +30,7 @@ Expected<void> make_folder(const fs::path& folder) {
 }  // namespace
 
 Expected<void> probe_output_folder(const fs::path& folder) {
+  if (folder.empty()) return refuse(folder, "expected the name of a folder to write to, found nothing");
   fs::path existing = folder.lexically_normal();
   std::error_code error;
   while (!existing.empty() && fs::symlink_status(existing, error).type() == fs::file_type::not_found) {

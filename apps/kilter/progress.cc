@@ -3,9 +3,10 @@
 #include "apps/kilter/progress.h"
 
 #include <algorithm>
-#include <cstdio>
 
 #include <fmt/format.h>
+
+#include "apps/kilter/terminal.h"
 
 namespace kilter::app {
 namespace {
@@ -54,11 +55,10 @@ void Progress::finish() {
 void Progress::show(bool is_last) {
   if (style_ == Style::kBar) {
     if (is_last && !bar_drawn_) return;
-    fmt::print(stderr, "\r\x1b[K{}", is_last ? "" : progress_bar(stage_, done_, total_));
+    print_message("\r\x1b[K" + (is_last ? "" : progress_bar(stage_, done_, total_)));
     bar_drawn_ = !is_last;
-    std::fflush(stderr);
   } else if (!is_last) {
-    fmt::print(stderr, "{}: {} of {} ({} %)\n", stage_, done_, total_, share_of(done_, total_, 100));
+    print_message(fmt::format("{}: {} of {} ({} %)\n", stage_, done_, total_, share_of(done_, total_, 100)));
   }
 }
 

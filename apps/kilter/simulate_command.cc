@@ -60,6 +60,11 @@ std::string as_text(const SimulateSummary& summary, const std::string& folder) {
 }
 
 int run_simulate(SimulateCommand& command) {
+  // A world takes no keys of `check`, but a wrong one must not pass unnoticed.
+  if (const Expected<Settings> keys = read_settings(command.common); !keys) {
+    print_error(keys.error());
+    return exit_status(keys.error().code);
+  }
   SimulateRequest& request = command.request;
   request.writer.format = command.format == "pcd" ? ScanFormat::kPcd : ScanFormat::kBin;
   request.writer.scene = request.scene;

@@ -33,10 +33,16 @@ Expected<void> print_out(std::string_view text) {
               fmt::format("cannot be written: {}", std::generic_category().message(reason)), "standard output");
 }
 
-void print_note(std::string_view text) { fmt::print(stderr, "note: {}\n", text); }
+void print_message(std::string_view text) {
+  // Nobody is left to tell when standard error is closed.
+  static_cast<void>(std::fwrite(text.data(), 1, text.size(), stderr));
+  static_cast<void>(std::fflush(stderr));
+}
+
+void print_note(std::string_view text) { print_message(fmt::format("note: {}\n", text)); }
 
 int print_error(const Error& error) {
-  fmt::print(stderr, "{}\n", to_string(error));
+  print_message(to_string(error) + '\n');
   return exit_status(error.code);
 }
 

@@ -18,6 +18,9 @@ namespace kilter::app {
 /// Writes all of `text` to standard output. \return kNoSpace or kIo when it does not take it.
 [[nodiscard]] Expected<void> print_out(std::string_view text);
 
+/// Writes to standard error; what it does not take is lost.
+void print_message(std::string_view text);
+
 /// A line for the person, on standard error: "note: ...".
 void print_note(std::string_view text);
 

@@ -22,8 +22,8 @@ constexpr double kConflictSlack = 0.03;
 // Theta this many spreads below the map's own, and at least this many decades, is out of line.
 constexpr double kThetaSpreads = 3.0;
 constexpr double kThetaSlack = 0.3;
-// Never sure beyond this, whatever the Gaussian tail says: the model is only a model.
-constexpr double kMaxLogOdds = 30.0;
+// Only keeps numbers finite: log odds rank pairs whose probability has long come out as 1.
+constexpr double kMaxLogOdds = 1e6;
 // Registration always moves a little: a displacement counts only if this many times as many points support the new
 // pose (lie within a quarter voxel of the other submap's planes) as the map's.
 constexpr double kLeastGain = 1.15;
