@@ -3,6 +3,7 @@
 #include "apps/kilter/signals.h"
 
 #include <csignal>
+#include <initializer_list>
 
 #include <signal.h>
 
