@@ -10,9 +10,7 @@
 namespace kilter {
 namespace {
 
-PairId pair(int source, int target) {
-  return {.source = {source}, .target = {target}};
-}
+PairId pair(int source, int target) { return {.source = {source}, .target = {target}}; }
 
 TEST(PairMatrix, HoldsWhatWasSetAndNothingElse) {
   ConsistencyMatrix gamma(3);

@@ -16,9 +16,7 @@ namespace {
 
 constexpr double kMaxBins = 1e6;
 
-bool is_positive_length(double x) {
-  return std::isfinite(x) && x > 0.0;
-}
+bool is_positive_length(double x) { return std::isfinite(x) && x > 0.0; }
 
 Expected<void> check_distances(std::span<const double> distances_m, double max_distance_m) {
   if (!is_positive_length(max_distance_m)) {

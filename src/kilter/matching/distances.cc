@@ -17,8 +17,7 @@ std::vector<OptionField> fields(MatchingOptions& o) {
                     "Point that stands for a voxel in the paper's distances."),
       real_option("overlap_min", o.overlap_min, Unit::kRatio, 0.0, 1.0,
                   "Matched fraction of the voxels inside the other submap's box, below which a pair stays unverified."),
-      count_option("matched_min", o.matched_min, 2, 1000000000,
-                   "Matched voxels below which a pair stays unverified."),
+      count_option("matched_min", o.matched_min, 2, 1000000000, "Matched voxels below which a pair stays unverified."),
   };
 }
 
@@ -63,9 +62,8 @@ DistanceSample measure_distances(const VoxelMap& source, const NearestVoxelSearc
   return sample;
 }
 
-OverlapEstimate estimate_overlap(const VoxelMap& source, const NearestVoxelSearch& target,
-                                 const Pose3& T_target_source, const MatchingOptions& options,
-                                 std::size_t max_samples) {
+OverlapEstimate estimate_overlap(const VoxelMap& source, const NearestVoxelSearch& target, const Pose3& T_target_source,
+                                 const MatchingOptions& options, std::size_t max_samples) {
   const std::size_t count = source.voxels().size();
   if (count == 0 || target.map().voxels().size() == 0) return {};
   const std::size_t stride = std::max<std::size_t>(1, count / max_samples);

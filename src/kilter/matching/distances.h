@@ -13,21 +13,21 @@ namespace kilter {
 
 /// How voxels of a pair are matched and how far apart they count (Sec. IV-A, Eq. 8).
 struct MatchingOptions {
-  double max_distance_m = 1.0;       ///< the paper's d: farther voxels do not match. [m]
-  double occupancy_weight_m = 0.1;   ///< metres that a difference of 1 in occupancy probability counts as. [m]
+  double max_distance_m = 1.0;      ///< the paper's d: farther voxels do not match. [m]
+  double occupancy_weight_m = 0.1;  ///< metres that a difference of 1 in occupancy probability counts as. [m]
   VoxelPosition position = VoxelPosition::kCentre;
-  double overlap_min = 0.15;         ///< matched fraction below which a pair says nothing
-  int matched_min = 200;             ///< matched voxels below which a pair says nothing
+  double overlap_min = 0.15;  ///< matched fraction below which a pair says nothing
+  int matched_min = 200;      ///< matched voxels below which a pair says nothing
 };
 
 [[nodiscard]] std::vector<OptionField> fields(MatchingOptions& options);
 
 /// OICP distances of one directed pair, in the order of the source's voxels.
 struct DistanceSample {
-  std::vector<double> distances_m;         ///< d_e + d_f of each matched voxel, in [0, max_distance_m]
-  std::size_t candidates = 0;              ///< source voxels inside the target's box widened by max_distance_m
-  double mean_euclidean_m = 0.0;           ///< mean of d_e over the matched
-  double mean_occupancy_m = 0.0;           ///< mean of d_f over the matched
+  std::vector<double> distances_m;  ///< d_e + d_f of each matched voxel, in [0, max_distance_m]
+  std::size_t candidates = 0;       ///< source voxels inside the target's box widened by max_distance_m
+  double mean_euclidean_m = 0.0;    ///< mean of d_e over the matched
+  double mean_occupancy_m = 0.0;    ///< mean of d_f over the matched
 
   [[nodiscard]] std::size_t matched() const { return distances_m.size(); }
   /// Matched fraction of the candidates; 0 without candidates.

@@ -51,8 +51,8 @@ class NearestVoxelSearch {
   const VoxelMap* map_;
   VoxelPosition position_;
   double max_distance_m_;
-  std::vector<float> x_, y_, z_;        // positions in voxel order
-  std::vector<BlockOffset> offsets_;    // sorted by least distance
+  std::vector<float> x_, y_, z_;      // positions in voxel order
+  std::vector<BlockOffset> offsets_;  // sorted by least distance
 };
 
 }  // namespace kilter

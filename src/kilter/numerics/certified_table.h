@@ -29,8 +29,6 @@ namespace kilter {
 }
 
 /// Nearest double of a cell; 0 where the value is below the range of double.
-[[nodiscard]] inline double number_of(const std::string& cell) {
-  return std::strtod(cell.c_str(), nullptr);
-}
+[[nodiscard]] inline double number_of(const std::string& cell) { return std::strtod(cell.c_str(), nullptr); }
 
 }  // namespace kilter

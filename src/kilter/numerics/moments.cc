@@ -26,9 +26,7 @@ void Moments::merge(const Moments& other) {
   squared_deviations_sum += other.squared_deviations_sum + shift * shift * ours * share;
 }
 
-double Moments::variance() const {
-  return count < 2 ? 0.0 : squared_deviations_sum / static_cast<double>(count);
-}
+double Moments::variance() const { return count < 2 ? 0.0 : squared_deviations_sum / static_cast<double>(count); }
 
 Moments moments_of(std::span<const double> values) {
   Moments moments;

@@ -32,9 +32,9 @@ class MapBuilder {
  private:
   struct Block {
     std::uint64_t key = 0;
-    std::uint32_t stamp = 0;                        // last scan that touched it
-    std::array<std::uint64_t, kBlockSize> hit{};    // of the scan at hand
-    std::array<std::uint64_t, kBlockSize> miss{};   // of the scan at hand
+    std::uint32_t stamp = 0;                       // last scan that touched it
+    std::array<std::uint64_t, kBlockSize> hit{};   // of the scan at hand
+    std::array<std::uint64_t, kBlockSize> miss{};  // of the scan at hand
     std::array<std::uint64_t, kBlockSize> known{};
     std::array<float, kBlockVoxels> log_odds{};
   };
@@ -60,7 +60,7 @@ class MapBuilder {
   std::uint32_t stamp_ = 0;
   bool has_free_space_ = false;
   std::deque<Block> blocks_;
-  std::vector<std::uint32_t> table_;    // open addressing: block number + 1, 0 = empty
+  std::vector<std::uint32_t> table_;  // open addressing: block number + 1, 0 = empty
   std::vector<std::uint32_t> touched_;
   std::vector<Hit> hits_;
   std::vector<Eigen::Vector3f> origins_m_;

@@ -10,14 +10,14 @@ namespace kilter {
 
 /// How scans become probabilistic occupancy voxels. Sensor model and clamping are OctoMap's defaults.
 struct OccupancyOptions {
-  double resolution_m = 0.1;             ///< edge of a voxel. [m]
-  double min_range_m = 0.5;              ///< nearer returns (the robot itself) are ignored. [m]
-  double max_range_m = 60.0;             ///< farther returns only free the first max_range_m of their ray. [m]
-  double probability_hit = 0.7;          ///< P(occupied | a return ends here)
-  double probability_miss = 0.4;         ///< P(occupied | a ray passes through)
-  double clamping_min = 0.1192;          ///< lowest probability kept
-  double clamping_max = 0.971;           ///< highest probability kept
-  double occupancy_threshold = 0.5;      ///< occupied from this probability on
+  double resolution_m = 0.1;         ///< edge of a voxel. [m]
+  double min_range_m = 0.5;          ///< nearer returns (the robot itself) are ignored. [m]
+  double max_range_m = 60.0;         ///< farther returns only free the first max_range_m of their ray. [m]
+  double probability_hit = 0.7;      ///< P(occupied | a return ends here)
+  double probability_miss = 0.4;     ///< P(occupied | a ray passes through)
+  double clamping_min = 0.1192;      ///< lowest probability kept
+  double clamping_max = 0.971;       ///< highest probability kept
+  double occupancy_threshold = 0.5;  ///< occupied from this probability on
 };
 
 [[nodiscard]] std::vector<OptionField> fields(OccupancyOptions& options);

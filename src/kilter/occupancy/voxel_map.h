@@ -23,8 +23,8 @@ struct VoxelBlock {
   std::uint64_t key = 0;
   std::array<std::uint64_t, kBlockSize> occupied{};
   std::array<std::uint64_t, kBlockSize> free{};
-  std::uint32_t first_voxel = 0;   ///< number of this block's first occupied voxel
-  std::uint32_t voxel_count = 0;   ///< how many voxels of this block are occupied
+  std::uint32_t first_voxel = 0;  ///< number of this block's first occupied voxel
+  std::uint32_t voxel_count = 0;  ///< how many voxels of this block are occupied
 };
 
 /// Occupied voxels, one entry each, in block order and bit order inside a block. Positions in the map's frame.

@@ -14,12 +14,12 @@ namespace kilter {
 
 /// Which submaps could show the same place, and so must be compared.
 struct PairingOptions {
-  int local_min_gap = 2;             ///< the paper's k: (i, j) of one robot is a local pair from i - j = k on
-  double drift_per_metre = 0.01;     ///< how far a pose may have drifted for each metre travelled. [m/m]
-  double drift_max_m = 10.0;         ///< no more than this is allowed for. [m]
-  double max_distance_m = 1.0;       ///< boxes are widened by the paper's d. [m]
-  double overlap_min = 0.15;         ///< predicted overlap that is enough
-  int matched_min = 200;             ///< predicted matches that are enough
+  int local_min_gap = 2;          ///< the paper's k: (i, j) of one robot is a local pair from i - j = k on
+  double drift_per_metre = 0.01;  ///< how far a pose may have drifted for each metre travelled. [m/m]
+  double drift_max_m = 10.0;      ///< no more than this is allowed for. [m]
+  double max_distance_m = 1.0;    ///< boxes are widened by the paper's d. [m]
+  double overlap_min = 0.15;      ///< predicted overlap that is enough
+  int matched_min = 200;          ///< predicted matches that are enough
 };
 
 [[nodiscard]] std::vector<OptionField> fields(PairingOptions& options);
@@ -28,9 +28,9 @@ struct PairingOptions {
 struct CandidatePair {
   PairId id;
   PairKind kind = PairKind::kSequential;
-  double drift_allowance_m = 0.0;   ///< how far the true relative position may be from the map's. [m]
-  double predicted_overlap = 0.0;   ///< best coarse overlap within the allowance, 0..1
-  bool predicted_enough = false;    ///< that overlap, and the matches it promises, pass the gates
+  double drift_allowance_m = 0.0;  ///< how far the true relative position may be from the map's. [m]
+  double predicted_overlap = 0.0;  ///< best coarse overlap within the allowance, 0..1
+  bool predicted_enough = false;   ///< that overlap, and the matches it promises, pass the gates
   /// Shift of the source, in the target's frame, at which the best coarse overlap was found. [m]
   Eigen::Vector3d predicted_shift_m = Eigen::Vector3d::Zero();
 };
@@ -45,6 +45,6 @@ struct CandidatePair {
 /// \return sorted by PairId; every sequential pair is among them, boxes touching or not. Deterministic.
 /// O(N log N + pairs).
 [[nodiscard]] std::vector<CandidatePair> propose_pairs(std::span<const Submap> submaps, const PairingOptions& options,
-                                         const RunContext& run);
+                                                       const RunContext& run);
 
 }  // namespace kilter

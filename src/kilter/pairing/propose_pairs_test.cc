@@ -113,8 +113,8 @@ TEST(CoarseOverlap, FullForTheSameMapAndNoneFarAway) {
   const VoxelMap map = floor_map();
   const CoarseCells cells = coarse_cells(map, 256);
   EXPECT_NEAR(coarse_overlap(cells, map, {}, Eigen::Vector3d::Zero()).overlap, 1.0, 1e-12);
-  EXPECT_NEAR(coarse_overlap(cells, map, {}, Eigen::Vector3d::Zero()).matched,
-              static_cast<double>(map.voxels().size()), 1e-6);
+  EXPECT_NEAR(coarse_overlap(cells, map, {}, Eigen::Vector3d::Zero()).matched, static_cast<double>(map.voxels().size()),
+              1e-6);
   EXPECT_EQ(coarse_overlap(cells, map, Pose3::from_translation(0.0, 0.0, 50.0), Eigen::Vector3d::Zero()).matched, 0.0);
 }
 

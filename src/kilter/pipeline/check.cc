@@ -45,13 +45,14 @@ Expected<void> within_budget(const std::vector<Submap>& submaps, const CheckRun&
 
 // Numbers submaps over all robots: all of the first, then the second, ...
 Expected<std::vector<Submap>> build_all(const std::vector<RobotLog>& robots, const CheckOptions& options,
-                                        const std::map<std::string, std::vector<ScanRange>>& cuts, const CheckRun& run) {
+                                        const std::map<std::string, std::vector<ScanRange>>& cuts,
+                                        const CheckRun& run) {
   std::vector<Submap> all;
   for (std::size_t robot = 0; robot < robots.size(); ++robot) {
     const auto cut = cuts.find(robots[robot].name);
     const auto ranges = cut == cuts.end() ? std::nullopt : std::optional(cut->second);
-    Expected<std::vector<Submap>> submaps = build_submaps(robots[robot], static_cast<int>(robot), options.submap,
-                                                          stage_context(run, "submaps"), ranges);
+    Expected<std::vector<Submap>> submaps =
+        build_submaps(robots[robot], static_cast<int>(robot), options.submap, stage_context(run, "submaps"), ranges);
     if (!submaps) return pass_up(submaps.error());
     for (Submap& submap : *submaps) {
       submap.id = {static_cast<int>(all.size())};
@@ -64,13 +65,13 @@ Expected<std::vector<Submap>> build_all(const std::vector<RobotLog>& robots, con
 }
 
 // Measures all candidates and keeps those that are listed; the others are counted.
-std::vector<PairMeasurement> measure_all(const std::vector<Submap>& submaps, const std::vector<CandidatePair>& candidates,
-                                         const CheckOptions& options, const CheckRun& run, std::size_t& left_out) {
+std::vector<PairMeasurement> measure_all(const std::vector<Submap>& submaps,
+                                         const std::vector<CandidatePair>& candidates, const CheckOptions& options,
+                                         const CheckRun& run, std::size_t& left_out) {
   const SubmapSearches searches = build_searches(submaps, options, stage_context(run, "search"));
   std::vector<PairMeasurement> measured(candidates.size());
-  parallel_for(candidates.size(), stage_context(run, "pairs"), [&](std::size_t i) {
-    measured[i] = measure_pair(submaps, searches, candidates[i], options);
-  });
+  parallel_for(candidates.size(), stage_context(run, "pairs"),
+               [&](std::size_t i) { measured[i] = measure_pair(submaps, searches, candidates[i], options); });
   left_out = std::erase_if(measured, [](const PairMeasurement& pair) { return !pair.listed; });
   return measured;
 }
@@ -153,7 +154,8 @@ Expected<Result> check(const std::vector<RobotLog>& robots, const CheckOptions& 
   result.system = judge_map(judged, names, options.judge);
   result.candidates = static_cast<std::size_t>(std::count_if(
       candidates.begin(), candidates.end(), [](const auto& pair) { return pair.kind != PairKind::kSequential; }));
-  for (std::size_t i = 0; i < measured.size(); ++i) result.pairs.push_back(pair_result(measured[i], judged[i].verdict, options));
+  for (std::size_t i = 0; i < measured.size(); ++i)
+    result.pairs.push_back(pair_result(measured[i], judged[i].verdict, options));
   summarise(robots, submaps, result);
   if (run.fuse_maps) fuse_all(submaps, options, result);
   if (run.cancelled != nullptr && run.cancelled->load()) return stopped();

@@ -12,7 +12,8 @@ std::vector<OptionField> fields(CheckOptions& o) {
   const auto append = [&](std::vector<OptionField> stage) {
     std::copy_if(std::make_move_iterator(stage.begin()), std::make_move_iterator(stage.end()), std::back_inserter(all),
                  [&](const OptionField& field) {
-                   return std::none_of(all.begin(), all.end(), [&](const auto& known) { return known.name == field.name; });
+                   return std::none_of(all.begin(), all.end(),
+                                       [&](const auto& known) { return known.name == field.name; });
                  });
   };
   append(fields(o.submap.occupancy));

@@ -83,7 +83,8 @@ TEST(Check, RobotsThatNeverMeetAreUndetermined) {
 // Two robots' submaps pushed apart step by step: never called consistent once they are off.
 TEST(Check, APairPushedApartIsNeverConsistent) {
   for (const double shift_m : {0.5, 1.5, 4.0, 9.0, 13.0}) {
-    const auto result = check(two_robots(Pose3::from_translation(shift_m, 0.0, 0.0)), small_submaps(), {}, {.threads = 2});
+    const auto result =
+        check(two_robots(Pose3::from_translation(shift_m, 0.0, 0.0)), small_submaps(), {}, {.threads = 2});
     ASSERT_TRUE(result.has_value());
     EXPECT_NE(result->system.state, MapState::kConsistent) << shift_m;
     for (const PairResult& pair : result->pairs) {

@@ -72,11 +72,11 @@ bool could_pass_gate(const PairSearches& pair, const Pose3& T_target_source, con
 }
 
 std::string gate_reason(const TwoWaySample& sample, const CandidatePair& pair, const MatchingOptions& options) {
-  std::string reason = sample.matched() < static_cast<std::size_t>(options.matched_min)
-                           ? fmt::format("too little overlap: {} voxels match, {} are needed", sample.matched(),
-                                         options.matched_min)
-                           : fmt::format("too little overlap: {:.0f} % of the voxels match, {:.0f} % are needed",
-                                         100.0 * sample.overlap(), 100.0 * options.overlap_min);
+  std::string reason =
+      sample.matched() < static_cast<std::size_t>(options.matched_min)
+          ? fmt::format("too little overlap: {} voxels match, {} are needed", sample.matched(), options.matched_min)
+          : fmt::format("too little overlap: {:.0f} % of the voxels match, {:.0f} % are needed",
+                        100.0 * sample.overlap(), 100.0 * options.overlap_min);
   const double shift_m = pair.predicted_shift_m.norm();
   if (shift_m > 0.0 && pair.predicted_enough) {
     reason += fmt::format("; moved by {:.1f} m, within what odometry may have drifted, it would overlap {:.0f} %",
@@ -107,8 +107,8 @@ CheckOptions resolved(CheckOptions options) {
 SubmapSearches build_searches(std::span<const Submap> submaps, const CheckOptions& options, const RunContext& run) {
   std::vector<std::optional<NearestVoxelSearch>> by_position(submaps.size());
   std::vector<std::optional<NearestVoxelSearch>> by_centroid(submaps.size());
-  const double reach_m = std::max(options.matching.max_distance_m,
-                                  kConflictMarginVoxels * options.submap.occupancy.resolution_m);
+  const double reach_m =
+      std::max(options.matching.max_distance_m, kConflictMarginVoxels * options.submap.occupancy.resolution_m);
   parallel_for(submaps.size(), run, [&](std::size_t i) {
     by_position[i].emplace(submaps[i].map, options.matching.position, reach_m);
     by_centroid[i].emplace(submaps[i].map, VoxelPosition::kCentroid, reach_m);

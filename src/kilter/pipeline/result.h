@@ -21,9 +21,9 @@ namespace kilter {
 /// A submap as the outside hears of it; its voxels stay inside the run.
 struct SubmapSummary {
   SubmapId id;
-  std::string name;   ///< "a/1"
+  std::string name;  ///< "a/1"
   std::string robot;
-  int index = 1;      ///< 1-based
+  int index = 1;                   ///< 1-based
   std::optional<ScanRange> scans;  ///< absent for finished submaps
   Pose3 T_world_submap;
   std::size_t occupied = 0;
@@ -37,17 +37,17 @@ struct PairResult {
   PairKind kind = PairKind::kSequential;
   double overlap = 0.0;
   std::size_t matched = 0;
-  double max_distance_m = 1.0;                    ///< the paper's d
-  std::optional<DistanceHistogram> histogram;     ///< absent when nothing matched
-  std::optional<PairScore> score;                 ///< Gamma's; absent when the gate failed
-  std::optional<PairScore> registered_score;      ///< Theta's; absent when registration failed
-  std::optional<double> theta_oicp_per_m3;        ///< where the paper's registration was run
-  std::optional<double> verified;                 ///< Theta - Gamma
+  double max_distance_m = 1.0;                 ///< the paper's d
+  std::optional<DistanceHistogram> histogram;  ///< absent when nothing matched
+  std::optional<PairScore> score;              ///< Gamma's; absent when the gate failed
+  std::optional<PairScore> registered_score;   ///< Theta's; absent when registration failed
+  std::optional<double> theta_oicp_per_m3;     ///< where the paper's registration was run
+  std::optional<double> verified;              ///< Theta - Gamma
   PairVerdict verdict;
-  Pose3 T_target_source;                          ///< as the map has it
+  Pose3 T_target_source;  ///< as the map has it
   std::optional<Pose3> T_target_source_registered;
-  std::optional<Matrix6> covariance;              ///< xi = (x y z rx ry rz) in the source's frame
-  bool trusted = false;                           ///< registration converged and pair not unverified: goes to g2o
+  std::optional<Matrix6> covariance;  ///< xi = (x y z rx ry rz) in the source's frame
+  bool trusted = false;               ///< registration converged and pair not unverified: goes to g2o
 };
 
 /// A fused map that --maps asked for (Eq. 2-3).

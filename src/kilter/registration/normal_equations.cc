@@ -31,8 +31,7 @@ Vector6 jacobian(const PlaneResidual& r, const NormalEquations& equations) {
 Matrix6 scaling_of(const Eigen::Matrix3d& scatter_m2) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(scatter_m2);
   const Eigen::Vector3d spread_m2 = solver.eigenvalues().cwiseMax(0.0);
-  const Eigen::Vector3d radii_m =
-      (Eigen::Vector3d::Constant(spread_m2.sum()) - spread_m2).cwiseSqrt().cwiseMax(1e-3);
+  const Eigen::Vector3d radii_m = (Eigen::Vector3d::Constant(spread_m2.sum()) - spread_m2).cwiseSqrt().cwiseMax(1e-3);
   Matrix6 unscale = Matrix6::Zero();
   unscale.topLeftCorner<3, 3>() = solver.eigenvectors();
   unscale.bottomRightCorner<3, 3>() = solver.eigenvectors() * radii_m.cwiseInverse().asDiagonal();
@@ -129,9 +128,8 @@ Matrix6 prior_covariance(const NormalEquations& equations, const ObservableSplit
 }
 
 std::size_t count_below(std::span<const PlaneResidual> residuals, double limit_m) {
-  return static_cast<std::size_t>(std::count_if(residuals.begin(), residuals.end(), [&](const PlaneResidual& r) {
-    return std::abs(r.residual_m) < limit_m;
-  }));
+  return static_cast<std::size_t>(std::count_if(
+      residuals.begin(), residuals.end(), [&](const PlaneResidual& r) { return std::abs(r.residual_m) < limit_m; }));
 }
 
 Eigen::Matrix3d scatter_about(std::span<const PlaneResidual> residuals, const Eigen::Vector3d& centre_m) {

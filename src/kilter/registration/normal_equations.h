@@ -36,9 +36,9 @@ struct NormalEquations {
 
 /// Eigenvectors of information / weight, split at a share that honest noise in the normals alone would give.
 struct ObservableSplit {
-  Vector6 shares = Vector6::Zero();    ///< eigenvalues, ascending; 1/3 each for translations of a cube
+  Vector6 shares = Vector6::Zero();  ///< eigenvalues, ascending; 1/3 each for translations of a cube
   Matrix6 directions = Matrix6::Zero();
-  int unobservable = 0;                ///< how many of the first columns are not fixed
+  int unobservable = 0;  ///< how many of the first columns are not fixed
 };
 
 [[nodiscard]] ObservableSplit split_observable(const NormalEquations& equations);

@@ -52,10 +52,9 @@ void trim(std::vector<PointMatch>& matches, double fraction) {
   std::stable_sort(matches.begin(), matches.end(), [](const PointMatch& a, const PointMatch& b) {
     return a.target_voxel != b.target_voxel ? a.target_voxel < b.target_voxel : a.distance_m < b.distance_m;
   });
-  matches.erase(
-      std::unique(matches.begin(), matches.end(),
-                  [](const PointMatch& a, const PointMatch& b) { return a.target_voxel == b.target_voxel; }),
-      matches.end());
+  matches.erase(std::unique(matches.begin(), matches.end(),
+                            [](const PointMatch& a, const PointMatch& b) { return a.target_voxel == b.target_voxel; }),
+                matches.end());
   std::stable_sort(matches.begin(), matches.end(),
                    [](const PointMatch& a, const PointMatch& b) { return a.distance_m < b.distance_m; });
   matches.resize(static_cast<std::size_t>(std::ceil(fraction * static_cast<double>(matches.size()))));
@@ -105,8 +104,7 @@ std::size_t matched_at(const NearestVoxelSearch& source, const NearestVoxelSearc
   return matched;
 }
 
-double overlap_at(const NearestVoxelSearch& source, const NearestVoxelSearch& target, const Pose3& T,
-                  double search_m) {
+double overlap_at(const NearestVoxelSearch& source, const NearestVoxelSearch& target, const Pose3& T, double search_m) {
   const std::size_t count = source.map().voxels().size();
   return count == 0 ? 0.0 : static_cast<double>(matched_at(source, target, T, search_m)) / static_cast<double>(count);
 }

@@ -22,21 +22,21 @@ enum class RegistrationMethod {
 struct RegistrationOptions {
   RegistrationMethod method = RegistrationMethod::kPointToPlane;
   int max_iterations = 80;
-  int min_matches = 200;          ///< fewer correspondences end it as kTooFewMatches
-  double search_distance_m = 1.0; ///< correspondences of the first iterations may be this far. [m]
-  double max_rotation_rad = 0.35; ///< more than this from the start is refused. [rad]
-  int max_points = 6000;          ///< source voxels used while iterating (evenly picked)
+  int min_matches = 200;           ///< fewer correspondences end it as kTooFewMatches
+  double search_distance_m = 1.0;  ///< correspondences of the first iterations may be this far. [m]
+  double max_rotation_rad = 0.35;  ///< more than this from the start is refused. [rad]
+  int max_points = 6000;           ///< source voxels used while iterating (evenly picked)
 };
 
 [[nodiscard]] std::vector<OptionField> fields(RegistrationOptions& options);
 
 enum class StopReason {
   kConverged,
-  kMaxIterations,   ///< still moving when iterations ran out
-  kTooFewMatches,   ///< correspondences fell below min_matches
-  kOverlapLost,     ///< the aligned pair overlaps by over a fifth less than before
-  kOutOfRange,      ///< moved farther than the start can be wrong
-  kDegenerate,      ///< no direction is fixed by the scene
+  kMaxIterations,  ///< still moving when iterations ran out
+  kTooFewMatches,  ///< correspondences fell below min_matches
+  kOverlapLost,    ///< the aligned pair overlaps by over a fifth less than before
+  kOutOfRange,     ///< moved farther than the start can be wrong
+  kDegenerate,     ///< no direction is fixed by the scene
 };
 
 [[nodiscard]] std::string_view to_string(StopReason reason);
@@ -51,12 +51,12 @@ struct RegistrationPrior {
 /// The aligned pose of one pair and how well it is known.
 struct RegistrationResult {
   StopReason stop = StopReason::kTooFewMatches;
-  Pose3 T_target_source;          ///< the start, if not converged
+  Pose3 T_target_source;  ///< the start, if not converged
   int iterations = 0;
-  std::size_t matches = 0;        ///< correspondences at the end, of all voxels (mean of both ways)
-  double residual_rms_m = 0.0;    ///< robust-weighted, at the end. [m]
-  /// Correspondences within a quarter voxel of their plane (OICP: half a voxel of their point) at the start and at the end: what
-  /// the move has gained. Both ways, of all voxels.
+  std::size_t matches = 0;      ///< correspondences at the end, of all voxels (mean of both ways)
+  double residual_rms_m = 0.0;  ///< robust-weighted, at the end. [m]
+  /// Correspondences within a quarter voxel of their plane (OICP: half a voxel of their point) at the start and at the
+  /// end: what the move has gained. Both ways, of all voxels.
   std::size_t support_start = 0;
   std::size_t support_end = 0;
   /// Row-major meaning: T_target_source * Exp(xi), xi = (x y z rx ry rz) in the source's frame. Directions that the

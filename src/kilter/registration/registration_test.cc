@@ -26,8 +26,7 @@ TestPair room_pair() {
   const auto scene = testing::furnished_room();
   const std::vector<Pose3> first = {pose_at(3.03, 2.52, 1.04, 0.1), pose_at(4.03, 3.02, 1.04, 0.3)};
   const std::vector<Pose3> second = {pose_at(8.21, 3.53, 1.02, 2.0), pose_at(7.51, 5.53, 1.02, 1.7)};
-  return {submap_of(scene, first, first[0], 1), submap_of(scene, second, second[0], 2),
-          first[0].inverse() * second[0]};
+  return {submap_of(scene, first, first[0], 1), submap_of(scene, second, second[0], 2), first[0].inverse() * second[0]};
 }
 
 RegistrationResult run(const TestPair& pair, const Pose3& start, RegistrationMethod method) {

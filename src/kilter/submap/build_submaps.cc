@@ -13,8 +13,8 @@ Expected<void> check_cuts(const RobotLog& log, const std::vector<ScanRange>& cut
   std::size_t next = 0;
   for (const ScanRange& range : cuts) {
     if (range.first != next || range.last < range.first) {
-      return fail(ErrorCode::kCountMismatch, fmt::format("cuts of robot {} do not follow each other at scan {}",
-                                                         printable(log.name), next));
+      return fail(ErrorCode::kCountMismatch,
+                  fmt::format("cuts of robot {} do not follow each other at scan {}", printable(log.name), next));
     }
     next = range.last + 1;
   }

@@ -59,7 +59,8 @@ std::vector<ScanRange> cut_trajectory(std::span<const Pose3> poses, const Cuttin
   const std::size_t last = poses.size() - 1;
   // The tail reaches from where its predecessor ended (its own first scan is a full step away from there).
   const std::size_t tail_start = first > 0 ? first - 1 : 0;
-  const bool short_tail = progress(path[last] - path[tail_start], turning[last] - turning[tail_start], options) < 1.0 / 3;
+  const bool short_tail =
+      progress(path[last] - path[tail_start], turning[last] - turning[tail_start], options) < 1.0 / 3;
   if (!ranges.empty() && (short_tail || last - first + 1 < static_cast<std::size_t>(options.min_scans))) {
     ranges.back().last = last;
   } else {

@@ -24,20 +24,20 @@ enum class JudgeMethod {
 /// What a pair or a map has to show for a verdict.
 struct JudgeOptions {
   JudgeMethod method = JudgeMethod::kDisplacement;
-  double tolerance_m = 0.1;            ///< disagreement that the user can live with. [m]
-  double alpha = 0.01;                 ///< false-discovery level of `inconsistent` over the map
-  double prior_inconsistent = 0.05;    ///< share of pairs believed inconsistent before looking
-  double min_decided = 0.5;            ///< of the overlapping pairs of each kind and each two robots
+  double tolerance_m = 0.1;          ///< disagreement that the user can live with. [m]
+  double alpha = 0.01;               ///< false-discovery level of `inconsistent` over the map
+  double prior_inconsistent = 0.05;  ///< share of pairs believed inconsistent before looking
+  double min_decided = 0.5;          ///< of the overlapping pairs of each kind and each two robots
 };
 
 [[nodiscard]] std::vector<OptionField> fields(JudgeOptions& options);
 
 /// The pair at one relative pose.
 struct PoseEvidence {
-  std::optional<PairScore> score;   ///< Gamma's or Theta's; absent below the gate
-  std::size_t matched = 0;          ///< the smaller of both ways
-  double overlap = 0.0;             ///< the larger of both ways
-  double mean_distance_m = 0.0;     ///< mean of d_e over the matched voxels, both ways
+  std::optional<PairScore> score;  ///< Gamma's or Theta's; absent below the gate
+  std::size_t matched = 0;         ///< the smaller of both ways
+  double overlap = 0.0;            ///< the larger of both ways
+  double mean_distance_m = 0.0;    ///< mean of d_e over the matched voxels, both ways
   ConflictSample conflict;
 };
 
@@ -45,9 +45,9 @@ struct PoseEvidence {
 struct PairEvidence {
   PairId id;
   PairKind kind = PairKind::kSequential;
-  bool overlaps = false;            ///< passes the gates on matched count and fraction at the map's pose
-  std::string gate;                 ///< what fails, if it does not overlap
-  Pose3 T_target_source;            ///< the map's
+  bool overlaps = false;  ///< passes the gates on matched count and fraction at the map's pose
+  std::string gate;       ///< what fails, if it does not overlap
+  Pose3 T_target_source;  ///< the map's
   PoseEvidence map;
   std::optional<RegistrationResult> registration;  ///< absent if it was not tried
   std::optional<PoseEvidence> registered;          ///< absent if it did not converge
@@ -62,7 +62,7 @@ struct MapNull {
   double log10_theta_spread = 0.0;  ///< 1.4826 times the median absolute deviation
   double conflict = 0.0;            ///< share that conflicts once registered
   double conflict_spread = 0.0;
-  std::size_t pairs = 0;            ///< how many stand behind it
+  std::size_t pairs = 0;  ///< how many stand behind it
 };
 
 [[nodiscard]] MapNull estimate_null(std::span<const PairEvidence> pairs);
@@ -73,8 +73,8 @@ struct MapNull {
 [[nodiscard]] PairVerdict judge_pair(const PairEvidence& pair, const MapNull& null, const JudgeOptions& options);
 
 /// The paper's test with the thresholds that it leaves out (step F11): a pair is out of line if log10 Gamma lies three
-/// spreads below the map's median; verified inconsistent if Theta then is at least twice Gamma and registration moved it
-/// by more than a voxel; rejected (kUnverified) if Theta is not; consistent if it is in line. No p-value.
+/// spreads below the map's median; verified inconsistent if Theta then is at least twice Gamma and registration moved
+/// it by more than a voxel; rejected (kUnverified) if Theta is not; consistent if it is in line. No p-value.
 [[nodiscard]] PairVerdict judge_pair_by_gamma(const PairEvidence& pair, const MapNull& null, double resolution_m);
 
 /// A pair as judge_map needs it.

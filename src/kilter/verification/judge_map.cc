@@ -15,7 +15,8 @@ namespace {
 double discovery_threshold(std::vector<double> p_values, double alpha) {
   std::sort(p_values.begin(), p_values.end());
   for (std::size_t k = p_values.size(); k > 0; --k) {
-    if (p_values[k - 1] <= alpha * static_cast<double>(k) / static_cast<double>(p_values.size())) return p_values[k - 1];
+    if (p_values[k - 1] <= alpha * static_cast<double>(k) / static_cast<double>(p_values.size()))
+      return p_values[k - 1];
   }
   return -1.0;
 }
@@ -117,13 +118,14 @@ std::string undecided(const DecidedShares& shares, const std::vector<JudgedPair>
     const bool meet = std::any_of(pairs.begin(), pairs.end(), [&](const JudgedPair& pair) {
       return pair.overlaps && pair.kind == PairKind::kGlobal && robots_key(pair, robots) == key;
     });
-    const std::string names = fmt::format("{} and {}", printable(key.substr(0, key.find(','))),
-                                          printable(key.substr(key.find(',') + 1)));
+    const std::string names =
+        fmt::format("{} and {}", printable(key.substr(0, key.find(','))), printable(key.substr(key.find(',') + 1)));
     return meet ? fmt::format("only {:.0f} % of what robots {} both saw could be decided", 100.0 * share, names)
                 : fmt::format("robots {} never meet", names);
   }
   if (shares.sequential && too_few(*shares.sequential)) {
-    return fmt::format("only {:.0f} % of the overlapping sequential pairs could be decided", 100.0 * *shares.sequential);
+    return fmt::format("only {:.0f} % of the overlapping sequential pairs could be decided",
+                       100.0 * *shares.sequential);
   }
   if (shares.local && too_few(*shares.local)) {
     return fmt::format("only {:.0f} % of the overlapping local pairs could be decided", 100.0 * *shares.local);
@@ -160,11 +162,11 @@ MapVerdict judge_map(std::vector<JudgedPair>& pairs, std::span<const std::string
   const std::string missing = undecided(map.decided, pairs, robots, options);
   if (map.inconsistent > 0) {
     map.state = MapState::kInconsistent;
-    map.reason = options.method == JudgeMethod::kGamma
-                     ? fmt::format("{} of {} pairs are verified inconsistent by the paper's test", map.inconsistent,
-                                   map.tested)
-                     : fmt::format("{} of {} pairs disagree by more than {:.1f} cm", map.inconsistent, map.tested,
-                                   100.0 * options.tolerance_m);
+    map.reason =
+        options.method == JudgeMethod::kGamma
+            ? fmt::format("{} of {} pairs are verified inconsistent by the paper's test", map.inconsistent, map.tested)
+            : fmt::format("{} of {} pairs disagree by more than {:.1f} cm", map.inconsistent, map.tested,
+                          100.0 * options.tolerance_m);
   } else if (!missing.empty()) {
     map.state = MapState::kUndetermined;
     map.reason = missing;

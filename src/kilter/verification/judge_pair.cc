@@ -127,9 +127,10 @@ std::string doubt(const PairEvidence& pair, const MapNull& null) {
 
 std::vector<OptionField> fields(JudgeOptions& o) {
   return {
-      choice_option("judge", o.method, {"displacement", "gamma"},
-                    "What verdicts rest on: registration's displacement against the tolerance, or the paper's Gamma and "
-                    "Theta alone."),
+      choice_option(
+          "judge", o.method, {"displacement", "gamma"},
+          "What verdicts rest on: registration's displacement against the tolerance, or the paper's Gamma and "
+          "Theta alone."),
       real_option("tolerance", o.tolerance_m, Unit::kMetre, 0.001, 100.0,
                   "Disagreement (RMS displacement over what both submaps saw) that can be lived with."),
       real_option("alpha", o.alpha, Unit::kRatio, 1e-9, 0.5,
@@ -186,8 +187,9 @@ PairVerdict judge_pair(const PairEvidence& pair, const MapNull& null, const Judg
   const OffsetEstimate offset = estimate_offset(*pair.registration, pair.T_target_source);
   note_offset(offset, options, verdict);
   note_support(*pair.registration, verdict);
-  const std::string measured = fmt::format("offset {} ({} to {})", in_cm(offset.offset_m),
-                                           in_cm((*verdict.offset_interval_m)[0]), in_cm((*verdict.offset_interval_m)[1]));
+  const std::string measured =
+      fmt::format("offset {} ({} to {})", in_cm(offset.offset_m), in_cm((*verdict.offset_interval_m)[0]),
+                  in_cm((*verdict.offset_interval_m)[1]));
   const std::string why_not = doubt(pair, null);
   const bool beyond = offset.offset_m > options.tolerance_m;
   if (!why_not.empty()) {
@@ -197,8 +199,8 @@ PairVerdict judge_pair(const PairEvidence& pair, const MapNull& null, const Judg
     verdict.reason = fmt::format("{}, but the pair agrees no better there", measured);
     verdict.p_value.reset();
   } else if (beyond) {
-    verdict.reason = fmt::format("{}: not told from the tolerance of {} over the whole map", measured,
-                                 in_cm(options.tolerance_m));
+    verdict.reason =
+        fmt::format("{}: not told from the tolerance of {} over the whole map", measured, in_cm(options.tolerance_m));
   } else if (log_tails(offset.with_prior, options.tolerance_m).above <= std::log(kConsistentTail)) {
     verdict.verdict = Verdict::kConsistent;
     verdict.reason = fmt::format("{}: below the tolerance of {}", measured, in_cm(options.tolerance_m));
@@ -206,8 +208,8 @@ PairVerdict judge_pair(const PairEvidence& pair, const MapNull& null, const Judg
     verdict.reason = fmt::format("{}, but a direction that nothing in the scene fixes could hide {}", measured,
                                  in_cm(2.0 * offset.hidden_sigma_m));
   } else {
-    verdict.reason = fmt::format("{}: too uncertain to be told from the tolerance of {}", measured,
-                                 in_cm(options.tolerance_m));
+    verdict.reason =
+        fmt::format("{}: too uncertain to be told from the tolerance of {}", measured, in_cm(options.tolerance_m));
   }
   return verdict;
 }

@@ -40,8 +40,8 @@ PairEvidence pair_moved(double offset_m, double sigma_m, PairKind kind = PairKin
 }
 
 JudgedPair judged(const PairEvidence& pair, const JudgeOptions& options = {}) {
-  return {pair.id, pair.kind, pair.overlaps, pair.kind == PairKind::kGlobal ? 1 : 0, 0,
-          judge_pair(pair, kNull, options)};
+  return {
+      pair.id, pair.kind, pair.overlaps, pair.kind == PairKind::kGlobal ? 1 : 0, 0, judge_pair(pair, kNull, options)};
 }
 
 Verdict verdict_of(const PairEvidence& pair, const JudgeOptions& options = {}) {

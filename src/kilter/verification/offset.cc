@@ -28,8 +28,8 @@ OffsetEstimate::SquareLaw square_law(const Vector6& x, const Matrix6& M, const M
 
 double largest_sigma_m(const Matrix6& M, const Matrix6& covariance) {
   const Eigen::SelfAdjointEigenSolver<Matrix6> solver(M);
-  const Matrix6 root =
-      solver.eigenvectors() * solver.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal() * solver.eigenvectors().transpose();
+  const Matrix6 root = solver.eigenvectors() * solver.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal() *
+                       solver.eigenvectors().transpose();
   const Eigen::SelfAdjointEigenSolver<Matrix6> spread(root * covariance * root);
   return std::sqrt(std::max(spread.eigenvalues().maxCoeff(), 0.0));
 }
@@ -72,8 +72,8 @@ OffsetEstimate estimate_offset(const RegistrationResult& registration, const Pos
   const double along_m4 = x.dot(M * registration.covariance_measured * M * x);
   estimate.sigma_m = estimate.offset_m > 0.0 ? std::sqrt(std::max(along_m4, 0.0)) / estimate.offset_m : largest_m;
   estimate.minimum_detectable_m = kDetection * largest_m;
-  estimate.hidden_sigma_m = std::sqrt(std::max(
-      (M * (registration.covariance_centre - registration.covariance_measured)).trace(), 0.0));
+  estimate.hidden_sigma_m =
+      std::sqrt(std::max((M * (registration.covariance_centre - registration.covariance_measured)).trace(), 0.0));
   return estimate;
 }
 

@@ -52,7 +52,8 @@ TEST(EstimateOffset, TailsAndQuantilesAgreeWithSampling) {
   std::vector<double> offsets;
   constexpr int kSamples = 40000;
   for (int i = 0; i < kSamples; ++i) {
-    const Eigen::Vector3d v = Eigen::Vector3d(0.06, 0.03, 0.0) + 0.02 * Eigen::Vector3d(rng.normal(), rng.normal(), rng.normal());
+    const Eigen::Vector3d v =
+        Eigen::Vector3d(0.06, 0.03, 0.0) + 0.02 * Eigen::Vector3d(rng.normal(), rng.normal(), rng.normal());
     const Eigen::Vector3d w = 0.004 * Eigen::Vector3d(rng.normal(), rng.normal(), rng.normal());
     const double square = v.squaredNorm() + 5.0 * w.x() * w.x() + 10.0 * w.y() * w.y() + 13.0 * w.z() * w.z();
     offsets.push_back(std::sqrt(square));

@@ -67,19 +67,19 @@ struct PairVerdict {
   std::optional<Eigen::Vector3d> offset_vector_m;  ///< registered minus map at the overlap's centre, target axes
   std::optional<double> gap_m;                     ///< double-wall gap
   std::optional<double> minimum_detectable_m;      ///< smallest offset that this pair would reveal. [m]
-  std::vector<Vector6> unobservable;  ///< unit twists about the overlap's centre, target axes
-  std::optional<double> p_value;      ///< for "at most the tolerance"
-  std::optional<double> log_odds;     ///< ln(p / (1 - p)) of p_inconsistent
+  std::vector<Vector6> unobservable;               ///< unit twists about the overlap's centre, target axes
+  std::optional<double> p_value;                   ///< for "at most the tolerance"
+  std::optional<double> log_odds;                  ///< ln(p / (1 - p)) of p_inconsistent
   std::optional<double> p_inconsistent;
 };
 
 /// Eq. (6)-(7) as sums of log(1 - p_inconsistent); absent where no pair of that level has a probability.
 struct LogProbability {
   std::optional<double> total;
-  std::optional<double> per_pair;                     ///< total / number of pairs
-  std::map<std::string, double> sequential;           ///< by robot
-  std::map<std::string, double> local;                ///< by robot
-  std::map<std::string, double> global;               ///< by "a,b"
+  std::optional<double> per_pair;            ///< total / number of pairs
+  std::map<std::string, double> sequential;  ///< by robot
+  std::map<std::string, double> local;       ///< by robot
+  std::map<std::string, double> global;      ///< by "a,b"
 };
 
 /// Share of the overlapping pairs that were decided; absent for kinds that do not occur.
@@ -92,9 +92,9 @@ struct DecidedShares {
 /// The answer for the whole map.
 struct MapVerdict {
   MapState state = MapState::kUndetermined;
-  std::string reason;                          ///< one sentence
-  std::optional<double> certificate_m;         ///< smallest X of "consistent to X m at 95 %"
-  std::vector<PairId> certificate_excludes;    ///< overlapping pairs that the certificate says nothing about
+  std::string reason;                        ///< one sentence
+  std::optional<double> certificate_m;       ///< smallest X of "consistent to X m at 95 %"
+  std::vector<PairId> certificate_excludes;  ///< overlapping pairs that the certificate says nothing about
   LogProbability log_probability;
   std::size_t tested = 0;
   std::size_t inconsistent = 0;
