@@ -18,5 +18,8 @@ if(NOT TARGET LZF::LZF)
   set_target_properties(LZF::LZF PROPERTIES
     IMPORTED_LOCATION "${LZF_LIBRARY}" INTERFACE_INCLUDE_DIRECTORIES "${LZF_INCLUDE_DIR}")
 endif()
-# Optional: the simulator casts its rays with it.
-find_package(embree 3 QUIET)
+# Optional: the simulator casts its rays with it. Debian 12 has Embree 3, Ubuntu 24.04 has Embree 4.
+find_package(embree 4 QUIET)
+if(NOT embree_FOUND)
+  find_package(embree 3 QUIET)
+endif()

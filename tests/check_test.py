@@ -4,9 +4,11 @@
 
 from __future__ import annotations
 
+import contextlib
 import csv
 import json
 import os
+import pty
 import resource
 import signal
 import struct
@@ -232,6 +234,33 @@ class Output(CheckCase):
         self.assertRegex(run.stderr, r"^io: .*expected a folder")
         self.assertNotIn("submaps", run.stderr)
         self.assertEqual(self.out.read_text(), "mine")
+
+
+class Terminal(CheckCase):
+    def on_a_terminal(self, *arguments: str, **environment: str) -> str:
+        """What a terminal shows of a run, standard output and error together."""
+        command = [str(kilter_binary()), "check", str(self.tiny.mission), "-o", str(self.out), *self.settings, *arguments]
+        kept = {key: value for key, value in os.environ.items() if key != "NO_COLOR"}
+        ours, theirs = pty.openpty()
+        with subprocess.Popen(command, stdin=theirs, stdout=theirs, stderr=theirs,
+                              env={**kept, "TERM": "xterm", **environment}):
+            os.close(theirs)
+            shown = b""
+            with contextlib.suppress(OSError):  # how Linux says that the other side is closed
+                while piece := os.read(ours, 4096):
+                    shown += piece
+            os.close(ours)
+        return shown.decode()
+
+    def test_the_verdict_is_coloured_and_a_bar_is_drawn_and_taken_away(self):
+        shown = self.on_a_terminal()
+        self.assertIn("\x1b[1;31mINCONSISTENT\x1b[0m: ", shown)
+        self.assertRegex(shown, r"\r\x1b\[Kpairs +\[#* *\] +\d+ %")
+        self.assertRegex(shown, r"\r\x1b\[K\x1b\[1;31mINCONSISTENT")
+
+    def test_no_colour_when_it_is_not_wanted(self):
+        for arguments, environment in ((("--no-color",), {}), ((), {"NO_COLOR": "1"}), ((), {"TERM": "dumb"})):
+            self.assertNotIn("\x1b[1;31m", self.on_a_terminal(*arguments, **environment))
 
 
 class Trouble(CheckCase):

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import json
 import re
+import tempfile
 import time
 import tomllib
 import unittest
@@ -13,7 +14,7 @@ import unittest
 from kilter_runner import SOURCE_DIR, main, run_kilter
 from tiny_mission import TinyMission
 
-COMMANDS = ("check", "info", "config show", "explain")
+COMMANDS = ("check", "info", "simulate", "config show", "explain")
 COMMON = ("--config", "--set", "--jobs", "--memory", "--quiet", "--verbose", "--json", "--no-color")
 # Keys that scripts rely on, with their defaults.
 KEYS = {"resolution": 0.1, "submap_distance": 10, "local_min_gap": 2, "d": 1.0, "fit": "moments", "floor": "quantisation",
@@ -84,6 +85,26 @@ class Config(unittest.TestCase):
     def test_the_seed_preset_changes_what_the_paper_does_otherwise(self):
         keys = tomllib.loads(run_kilter("config", "show", "--preset", "seed").stdout)
         self.assertEqual((keys["registration"], keys["floor"], keys["fit"]), ("oicp", "none", "moments"))
+
+
+class Simulate(unittest.TestCase):
+    def test_makes_a_mission_that_check_and_info_read(self):
+        with tempfile.TemporaryDirectory() as folder:
+            arguments = ("office", "-o", folder, "--robots", 1, "--beams", 16, "--columns", 180, "--scan-step", 4, "--json")
+            run = run_kilter("simulate", *arguments)
+            self.assertEqual(run.status, 0, run.stderr)
+            made = json.loads(run.stdout)
+            robots = json.loads(run_kilter("info", f"{folder}/mission", "--json").stdout)["robots"]
+            self.assertEqual([robot["name"] for robot in robots], made["robots"])
+            self.assertEqual(sum(robot["clouds"] for robot in robots), made["scans"])
+            again = run_kilter("simulate", *arguments)
+            self.assertEqual((again.status, again.stdout), (2, ""), "a mission is not overwritten unasked")
+            self.assertEqual(run_kilter("simulate", *arguments, "--replace").stdout, run.stdout)
+
+    def test_a_scene_that_does_not_exist_is_a_usage_error(self):
+        run = run_kilter("simulate", "offcie", "-o", "nowhere")
+        self.assertEqual(run.status, 2)
+        self.assertIn("office", run.stderr)
 
 
 class Explain(unittest.TestCase):

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from kilter_runner import main, run_kilter
 
-QUICK = ("--scan-step", "1.5", "--set", "columns=360")
+QUICK = ("--scan-step", "1.5", "--columns", "360")
 
 
 def simulator_is_built() -> bool:

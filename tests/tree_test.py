@@ -39,5 +39,15 @@ class CheckTree(unittest.TestCase):
             self.assertEqual(check_tree.check(Path(folder)), ["src/kilter/io/forgotten.cc: no CMakeLists.txt names it"])
 
 
+    def test_a_test_that_nobody_runs_is_named(self):
+        with tempfile.TemporaryDirectory() as folder:
+            tests = Path(folder, "tests")
+            tests.mkdir()
+            (tests / "CMakeLists.txt").write_text("kilter_python_test(run_test.py)\n", encoding="utf-8")
+            for name in ("run_test.py", "forgotten_test.py", "kilter_runner.py"):
+                (tests / name).touch()
+            self.assertEqual(check_tree.unregistered(Path(folder)), [tests / "forgotten_test.py"])
+
+
 if __name__ == "__main__":
     unittest.main()

@@ -48,11 +48,19 @@ def unbuilt(root: Path) -> list[Path]:
     return found
 
 
+def unregistered(root: Path) -> list[Path]:
+    """Test files of tests/ that its CMakeLists.txt does not name: nobody runs them."""
+    cmake_file = root / "tests/CMakeLists.txt"
+    text = cmake_file.read_text(encoding="utf-8") if cmake_file.is_file() else ""
+    return [path for path in sorted((root / "tests").glob("*_test.py")) if f"({path.name}" not in text]
+
+
 def check(root: Path) -> list[str]:
     """All violations of the tree at `root`."""
     found = [f"{path.relative_to(root)}: {reason}" for path in sources(root)
              for reason in objections(path.read_text(encoding="utf-8"))]
-    return found + [f"{path.relative_to(root)}: no CMakeLists.txt names it" for path in unbuilt(root)]
+    forgotten = unbuilt(root) + unregistered(root)
+    return found + [f"{path.relative_to(root)}: no CMakeLists.txt names it" for path in forgotten]
 
 
 def main() -> int:

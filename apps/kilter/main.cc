@@ -27,7 +27,6 @@ constexpr const char* kExamples = R"(Examples:
   kilter check mission -o result     the same, results into the folder `result`
   kilter check a=run1 b=run2         robots named one by one
   kilter info mission                what is in there?
-  kilter simulate office -o demo     a mission with known faults, to try it on
   kilter config show                 every key, its unit, range and meaning
 
 Exit status of check: 0 consistent, 1 inconsistent, 4 undetermined;

@@ -2,45 +2,40 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "apps/kilter/mission_writer.h"
 
+#include <fmt/format.h>
+
 #include <bit>
 #include <cerrno>
 #include <cstring>
 #include <fstream>
 #include <iterator>
-#include <string_view>
-#include <system_error>
+#include <nlohmann/json.hpp>
 
-#include <fmt/format.h>
-
-#include "kilter/io/file.h"
-#include "kilter/report/json_writer.h"
-
-namespace kilter::app {
+namespace kilter {
 namespace {
 
 namespace fs = std::filesystem;
 
 static_assert(std::endian::native == std::endian::little, "both scan formats hold little-endian numbers");
 
-tl::unexpected<Error> refuse(const std::string& what, int code, const fs::path& path) {
-  const ErrorCode kind = code == ENOSPC || code == EDQUOT ? ErrorCode::kNoSpace : ErrorCode::kIo;
-  return fail(kind, fmt::format("{}: {}", what, std::strerror(code)), shown(path));
+tl::unexpected<Error> io_failure(const std::string& what, int code, const fs::path& path) {
+  return fail(code == ENOSPC ? ErrorCode::kNoSpace : ErrorCode::kIo, what + ": " + std::strerror(code),
+              printable(path.string()));
 }
 
-// Hundreds of scans need not each be synced: the mission is whole once faults.json is there.
-Expected<void> write_scan(const fs::path& path, std::string_view bytes) {
+Expected<void> write_bytes(const fs::path& path, std::string_view bytes) {
   errno = 0;
   std::ofstream file(path, std::ios::binary | std::ios::trunc);
   file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
   file.close();
-  if (!file) return refuse("cannot be written", errno == 0 ? EIO : errno, path);
+  if (!file) return io_failure("cannot write", errno, path);
   return {};
 }
 
 Expected<void> make_folder(const fs::path& path) {
   std::error_code status;
   fs::create_directories(path, status);
-  if (status) return refuse("cannot be made", status.value(), path);
+  if (status) return io_failure("cannot make the folder", status.value(), path);
   return {};
 }
 
@@ -58,8 +53,8 @@ std::string tum_text(const std::vector<double>& stamp_s, const std::vector<Pose3
 
 void append_float(std::string& bytes, float value) {
   char raw[sizeof(float)];
-  std::memcpy(raw, &value, sizeof(raw));
-  bytes.append(raw, sizeof(raw));
+  std::memcpy(raw, &value, sizeof raw);
+  bytes.append(raw, sizeof raw);
 }
 
 std::string scan_bytes(const SimulatedScan& scan, ScanFormat format) {
@@ -79,17 +74,17 @@ std::string scan_bytes(const SimulatedScan& scan, ScanFormat format) {
   return bytes;
 }
 
-// A second mission in the same folder must not leave scans of the first between its own.
-Expected<void> clear_way(const MissionWriterOptions& options) {
+Expected<void> prepare(const MissionWriterOptions& options) {
   for (const char* part : {"mission", "truth"}) {
     const fs::path path = options.folder / part;
     std::error_code status;
     if (!fs::exists(path, status)) continue;
     if (!options.replace) {
-      return fail(ErrorCode::kUsage, "exists already", shown(path), "name another folder, or give --replace");
+      return fail(ErrorCode::kUsage, "there is a mission already", printable(path.string()),
+                  "choose another folder, or --replace");
     }
     fs::remove_all(path, status);
-    if (status) return refuse("cannot be removed", status.value(), path);
+    if (status) return io_failure("cannot remove the earlier mission", status.value(), path);
   }
   return {};
 }
@@ -100,48 +95,53 @@ Expected<void> write_robot(const SimulatedMission& mission, std::size_t r, const
   const fs::path folder = options.folder / "mission" / robot.name;
   const fs::path truth = options.folder / "truth" / robot.name;
   for (const fs::path& path : {folder / "scans", truth}) {
-    if (auto made = make_folder(path); !made) return made;
+    if (Expected<void> made = make_folder(path); !made) return made;
   }
   const char* suffix = options.format == ScanFormat::kPcd ? "pcd" : "bin";
   const auto take = [&](std::size_t i, const SimulatedScan& scan) {
-    return write_scan(folder / "scans" / fmt::format("{:06}.{}", i, suffix), scan_bytes(scan, options.format));
+    return write_bytes(folder / "scans" / fmt::format("{:06}.{}", i, suffix), scan_bytes(scan, options.format));
   };
-  if (auto done = for_each_scan(mission, r, run, take); !done) return done;
-  const std::string estimate = tum_text(robot.stamp_s, robot.T_world_sensor);
-  if (auto done = write_file_atomically(folder / "poses.tum", estimate); !done) return done;
-  return write_file_atomically(truth / "poses.tum", tum_text(robot.stamp_s, robot.T_world_sensor_true));
+  if (Expected<void> written = for_each_scan(mission, r, run, take); !written) return written;
+  if (Expected<void> written = write_bytes(folder / "poses.tum", tum_text(robot.stamp_s, robot.T_world_sensor));
+      !written) {
+    return written;
+  }
+  return write_bytes(truth / "poses.tum", tum_text(robot.stamp_s, robot.T_world_sensor_true));
 }
 
 }  // namespace
 
-std::string faults_json(const SimulatedMission& mission, const MissionWriterOptions& options) {
+std::string faults_json(const SimulatedMission& mission, const std::string& scene, std::uint64_t seed) {
   const auto name = [&](int robot) { return mission.robots()[static_cast<std::size_t>(robot)].name; };
-  JsonWriter json;
-  json.open_object().field("schema", "kilter.faults/1").field("scene", options.scene);
-  json.field("seed", static_cast<std::int64_t>(options.seed)).key("faults").open_list();
+  nlohmann::ordered_json faults = nlohmann::ordered_json::array();
   for (const Fault& fault : mission.faults()) {
-    json.open_object(JsonWriter::Layout::kCompact).field("kind", to_string(fault.kind));
-    json.field("robot", name(fault.robot)).field("first_scan", fault.first_scan).field("scan", fault.scan);
-    json.field("against_robot", name(fault.against_robot)).field("against_scan", fault.against_scan);
-    json.field("size_m", fault.size_m).field("size_rad", fault.size_rad).close();
+    faults.push_back({{"kind", to_string(fault.kind)},
+                      {"robot", name(fault.robot)},
+                      {"scan", fault.scan},
+                      {"first_scan", fault.first_scan},
+                      {"against_robot", name(fault.against_robot)},
+                      {"against_scan", fault.against_scan},
+                      {"size_m", fault.size_m},
+                      {"size_rad", fault.size_rad}});
   }
-  return json.close().close().take();
+  nlohmann::ordered_json document = {
+      {"schema", "kilter.faults/1"}, {"scene", scene}, {"seed", seed}, {"faults", faults}};
+  return document.dump(2) + "\n";
 }
 
 Expected<void> write_mission(const SimulatedMission& mission, const MissionWriterOptions& options,
                              const RunContext& run) {
-  if (auto clear = clear_way(options); !clear) return clear;
+  if (Expected<void> ready = prepare(options); !ready) return ready;
   const std::size_t total = mission.scan_count();
   std::size_t before = 0;
   for (std::size_t r = 0; r < mission.robots().size(); ++r) {
     RunContext part = run;
-    if (run.progress) {
-      part.progress = [&run, before, total](std::size_t done, std::size_t) { run.progress(before + done, total); };
-    }
-    if (auto done = write_robot(mission, r, options, part); !done) return done;
+    if (run.progress)
+      part.progress = [&, before](std::size_t done, std::size_t) { run.progress(before + done, total); };
+    if (Expected<void> written = write_robot(mission, r, options, part); !written) return written;
     before += mission.robots()[r].stamp_s.size();
   }
-  return write_file_atomically(options.folder / "truth" / "faults.json", faults_json(mission, options));
+  return write_bytes(options.folder / "truth" / "faults.json", faults_json(mission, options.scene, options.seed));
 }
 
-}  // namespace kilter::app
+}  // namespace kilter

@@ -2,15 +2,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <cstdint>
+#include <cstddef>
 #include <filesystem>
+#include <functional>
 #include <string>
 
 #include "kilter/base/expected.h"
 #include "kilter/base/parallel.h"
 #include "kilter/simulation/simulated_mission.h"
 
-namespace kilter::app {
+namespace kilter {
 
 enum class ScanFormat { kBin, kPcd };
 
@@ -18,18 +19,18 @@ enum class ScanFormat { kBin, kPcd };
 struct MissionWriterOptions {
   std::filesystem::path folder;
   ScanFormat format = ScanFormat::kBin;
-  bool replace = false;    ///< remove an earlier mission's `mission/` and `truth/` first
-  std::string scene;       ///< named in faults.json
-  std::uint64_t seed = 1;  ///< likewise
+  bool replace = false;  ///< remove an earlier mission's `mission/` and `truth/` first
+  std::string scene;     ///< named in faults.json
+  std::uint64_t seed = 1;
 };
 
 /// Writes `mission/ROBOT/{poses.tum, scans/000000.bin}`, `truth/ROBOT/poses.tum` and, last, `truth/faults.json`.
 /// Scans are made and written a few at a time, so memory does not grow with the mission.
-/// \return kIo or kNoSpace naming the file; kUsage when the folder holds a mission already; kCancelled.
+/// \return kIo or kNoSpace naming the file; kUsage when the folder already holds a mission; kCancelled.
 [[nodiscard]] Expected<void> write_mission(const SimulatedMission& mission, const MissionWriterOptions& options,
                                            const RunContext& run);
 
-/// The text of faults.json: every planted event with robot, scans and the size that the estimate shows.
-[[nodiscard]] std::string faults_json(const SimulatedMission& mission, const MissionWriterOptions& options);
+/// The text of faults.json: every planted event with robot, scans and measured size.
+[[nodiscard]] std::string faults_json(const SimulatedMission& mission, const std::string& scene, std::uint64_t seed);
 
-}  // namespace kilter::app
+}  // namespace kilter

@@ -84,7 +84,9 @@ std::vector<JudgedPair> judge_all(const std::vector<PairMeasurement>& measured, 
   for (const PairEvidence& pair : evidence) {
     judged.push_back({pair.id, pair.kind, pair.overlaps, submaps[static_cast<std::size_t>(pair.id.source.value)].robot,
                       submaps[static_cast<std::size_t>(pair.id.target.value)].robot,
-                      judge_pair(pair, null, options.judge)});
+                      options.judge.method == JudgeMethod::kGamma
+                          ? judge_pair_by_gamma(pair, null, options.submap.occupancy.resolution_m)
+                          : judge_pair(pair, null, options.judge)});
   }
   return judged;
 }

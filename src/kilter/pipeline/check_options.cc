@@ -32,6 +32,7 @@ void apply_seed_preset(CheckOptions& o) {
   o.distribution.method = DistributionFitMethod::kMoments;
   o.gamma.floor = GammaFloor::kNone;
   o.registration.method = RegistrationMethod::kOicp;
+  o.judge.method = JudgeMethod::kGamma;
 }
 
 }  // namespace kilter

@@ -3,6 +3,7 @@
 #include "kilter/registration/normal_equations.h"
 
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
@@ -125,6 +126,12 @@ Matrix6 prior_covariance(const NormalEquations& equations, const ObservableSplit
     covariance += moved * moved.transpose() / in_priors;
   }
   return covariance;
+}
+
+std::size_t count_below(std::span<const PlaneResidual> residuals, double limit_m) {
+  return static_cast<std::size_t>(std::count_if(residuals.begin(), residuals.end(), [&](const PlaneResidual& r) {
+    return std::abs(r.residual_m) < limit_m;
+  }));
 }
 
 Eigen::Matrix3d scatter_about(std::span<const PlaneResidual> residuals, const Eigen::Vector3d& centre_m) {

@@ -55,6 +55,9 @@ struct ObservableSplit {
 [[nodiscard]] Matrix6 prior_covariance(const NormalEquations& equations, const ObservableSplit& split,
                                        double prior_translation_m, double prior_rotation_rad);
 
+/// How many residuals are smaller than `limit_m`.
+[[nodiscard]] std::size_t count_below(std::span<const PlaneResidual> residuals, double limit_m);
+
 /// Mean of (p - centre)(p - centre)^T, unweighted. [m^2]
 [[nodiscard]] Eigen::Matrix3d scatter_about(std::span<const PlaneResidual> residuals, const Eigen::Vector3d& centre_m);
 

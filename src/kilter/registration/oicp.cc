@@ -18,6 +18,7 @@ constexpr double kFinalSearchVoxels = 3.0;
 constexpr double kMaxOccupancyDifference = 0.4;
 constexpr double kSmallTurn_rad = 1e-4;
 constexpr int kSettledIterations = 3;
+constexpr double kSupportVoxels = 0.5;
 
 struct PointMatch {
   Eigen::Vector3d source_m;  // in the target's frame
@@ -95,14 +96,19 @@ std::vector<PlaneResidual> axis_residuals(const std::vector<PointMatch>& matches
   return residuals;
 }
 
-double overlap_at(const NearestVoxelSearch& source, const NearestVoxelSearch& target, const Pose3& T,
-                  double search_m) {
+std::size_t matched_at(const NearestVoxelSearch& source, const NearestVoxelSearch& target, const Pose3& T,
+                       double search_m) {
   std::size_t matched = 0;
-  const std::size_t count = source.map().voxels().size();
-  for (std::size_t i = 0; i < count; ++i) {
+  for (std::size_t i = 0; i < source.map().voxels().size(); ++i) {
     if (target.nearest(T * voxel_position_m(source.map(), i, source.position()), search_m)) ++matched;
   }
-  return count == 0 ? 0.0 : static_cast<double>(matched) / static_cast<double>(count);
+  return matched;
+}
+
+double overlap_at(const NearestVoxelSearch& source, const NearestVoxelSearch& target, const Pose3& T,
+                  double search_m) {
+  const std::size_t count = source.map().voxels().size();
+  return count == 0 ? 0.0 : static_cast<double>(matched_at(source, target, T, search_m)) / static_cast<double>(count);
 }
 
 }  // namespace
@@ -148,6 +154,8 @@ RegistrationResult align_oicp(const NearestVoxelSearch& source, const NearestVox
   result.stop = settled >= kSettledIterations ? StopReason::kConverged : StopReason::kMaxIterations;
   result.T_target_source = T;
   result.matches = matches.size();
+  result.support_start = matched_at(source, target, start, kSupportVoxels * resolution_m);
+  result.support_end = matched_at(source, target, T, kSupportVoxels * resolution_m);
   result.residual_rms_m = std::sqrt(3.0 * equations.squares_m2 / equations.weight);
   // Points of two lattices settle within half a voxel of each other.
   describe_uncertainty(residuals, equations, split, 0.5 * resolution_m, prior, result);

@@ -20,6 +20,7 @@ constexpr double kFinalKernelVoxels = 0.5;  // level, where it is at least this 
 constexpr double kLeastAgreement = 0.6;    // cosine between normals of matched voxels
 constexpr double kSmallStep_m = 1e-3;
 constexpr double kSmallTurn_rad = 1e-4;
+constexpr double kSupportVoxels = 0.25;  // this near its plane a point supports the pose
 constexpr std::size_t kFewestResiduals = 40;
 constexpr std::size_t kAllPoints = 1U << 31;
 
@@ -148,6 +149,9 @@ RegistrationResult align_point_to_plane(const NearestVoxelSearch& source, const 
 
   std::vector<PlaneResidual> residuals = match_planes(source, target, T, final_search_m, kAllPoints);
   result.matches = residuals.size() / 2;
+  result.support_end = count_below(residuals, kSupportVoxels * resolution_m);
+  result.support_start = count_below(match_planes(source, target, start, final_search_m, kAllPoints),
+                                     kSupportVoxels * resolution_m);
   if (result.matches < static_cast<std::size_t>(options.min_matches)) return result;
   apply_kernel(residuals, final_kernel_m);
   const NormalEquations equations = build_normal_equations(residuals);

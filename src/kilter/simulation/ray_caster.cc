@@ -2,7 +2,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "kilter/simulation/ray_caster.h"
 
+#if KILTER_EMBREE_MAJOR >= 4
+#include <embree4/rtcore.h>
+#else
 #include <embree3/rtcore.h>
+#endif
 
 #include <Eigen/Geometry>
 #include <cmath>
@@ -80,9 +84,13 @@ std::optional<RayHit> hit_mesh(const RigidMesh& rigid, const Vector3d& origin_m,
   query.ray.tfar = static_cast<float>(max_range_m);
   query.ray.mask = ~0U;
   query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+#if KILTER_EMBREE_MAJOR >= 4
+  rtcIntersect1(rigid.scene, &query);
+#else
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   rtcIntersect1(rigid.scene, &context, &query);
+#endif
   if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
 
   const auto& [a, b, c] = rigid.mesh.triangles[query.hit.primID];

@@ -15,8 +15,15 @@
 
 namespace kilter {
 
+/// What a verdict rests on.
+enum class JudgeMethod {
+  kDisplacement,  ///< how far registration moves the pair, against the tolerance
+  kGamma,         ///< the paper's numbers alone: Gamma against the map's own, Theta to verify
+};
+
 /// What a pair or a map has to show for a verdict.
 struct JudgeOptions {
+  JudgeMethod method = JudgeMethod::kDisplacement;
   double tolerance_m = 0.1;            ///< disagreement that the user can live with. [m]
   double alpha = 0.01;                 ///< false-discovery level of `inconsistent` over the map
   double prior_inconsistent = 0.05;    ///< share of pairs believed inconsistent before looking
@@ -50,6 +57,7 @@ struct PairEvidence {
 /// bad ones; over all pairs where fewer than two sequential ones were registered.
 struct MapNull {
   double log10_gamma = 0.0;         ///< at the map's pose
+  double log10_gamma_spread = 0.0;  ///< 1.4826 times the median absolute deviation
   double log10_theta = 0.0;         ///< once registered
   double log10_theta_spread = 0.0;  ///< 1.4826 times the median absolute deviation
   double conflict = 0.0;            ///< share that conflicts once registered
@@ -63,6 +71,11 @@ struct MapNull {
 /// pair agree better and left no more conflict than other pairs of the map show (steps F10-F12). `inconsistent` is
 /// decided later, over the map, by judge_map: until then such pairs are kUnverified with a small p_value.
 [[nodiscard]] PairVerdict judge_pair(const PairEvidence& pair, const MapNull& null, const JudgeOptions& options);
+
+/// The paper's test with the thresholds that it leaves out (step F11): a pair is out of line if log10 Gamma lies three
+/// spreads below the map's median; verified inconsistent if Theta then is at least twice Gamma and registration moved it
+/// by more than a voxel; rejected (kUnverified) if Theta is not; consistent if it is in line. No p-value.
+[[nodiscard]] PairVerdict judge_pair_by_gamma(const PairEvidence& pair, const MapNull& null, double resolution_m);
 
 /// A pair as judge_map needs it.
 struct JudgedPair {

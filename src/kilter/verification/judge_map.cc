@@ -138,6 +138,8 @@ void certify(const std::vector<JudgedPair>& pairs, MapVerdict& map) {
       if (pair.overlaps) map.certificate_excludes.push_back(pair.id);
       continue;
     }
+    // The paper's own test measures no interval: it certifies nothing.
+    if (!pair.verdict.offset_interval_m) continue;
     map.certificate_m = std::max(map.certificate_m.value_or(0.0), (*pair.verdict.offset_interval_m)[1]);
   }
 }
@@ -158,15 +160,20 @@ MapVerdict judge_map(std::vector<JudgedPair>& pairs, std::span<const std::string
   const std::string missing = undecided(map.decided, pairs, robots, options);
   if (map.inconsistent > 0) {
     map.state = MapState::kInconsistent;
-    map.reason = fmt::format("{} of {} pairs disagree by more than {:.1f} cm", map.inconsistent, map.tested,
-                             100.0 * options.tolerance_m);
+    map.reason = options.method == JudgeMethod::kGamma
+                     ? fmt::format("{} of {} pairs are verified inconsistent by the paper's test", map.inconsistent,
+                                   map.tested)
+                     : fmt::format("{} of {} pairs disagree by more than {:.1f} cm", map.inconsistent, map.tested,
+                                   100.0 * options.tolerance_m);
   } else if (!missing.empty()) {
     map.state = MapState::kUndetermined;
     map.reason = missing;
   } else {
     map.state = MapState::kConsistent;
-    map.reason = fmt::format("no pair disagrees by more than {:.1f} cm, and enough were decided",
-                             100.0 * options.tolerance_m);
+    map.reason = options.method == JudgeMethod::kGamma
+                     ? std::string("no pair is verified inconsistent by the paper's test, and enough are in line")
+                     : fmt::format("no pair disagrees by more than {:.1f} cm, and enough were decided",
+                                   100.0 * options.tolerance_m);
   }
   return map;
 }

@@ -24,8 +24,9 @@ constexpr double kThetaSpreads = 3.0;
 constexpr double kThetaSlack = 0.3;
 // Never sure beyond this, whatever the Gaussian tail says: the model is only a model.
 constexpr double kMaxLogOdds = 30.0;
-// Registration always moves a little; the fit must gain at least this share of the mean distance to count as better.
-constexpr double kLeastGain = 0.05;
+// Registration always moves a little: a displacement counts only if this many times as many points support the new
+// pose (lie within a quarter voxel of the other submap's planes) as the map's.
+constexpr double kLeastGain = 1.15;
 
 double median_of(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
@@ -56,11 +57,8 @@ double theta_limit(const MapNull& null) {
   return null.log10_theta - std::max(kThetaSpreads * null.log10_theta_spread, kThetaSlack);
 }
 
-bool fit_improved(const PairEvidence& pair) {
-  const PoseEvidence& before = pair.map;
-  const PoseEvidence& after = *pair.registered;
-  return after.mean_distance_m < (1.0 - kLeastGain) * before.mean_distance_m ||
-         after.conflict.share() + 0.01 < before.conflict.share();
+bool fit_improved(const RegistrationResult& registration) {
+  return static_cast<double>(registration.support_end) >= kLeastGain * static_cast<double>(registration.support_start);
 }
 
 void note_measurements(const PairEvidence& pair, const MapNull& null, PairVerdict& verdict) {
@@ -77,6 +75,11 @@ void note_measurements(const PairEvidence& pair, const MapNull& null, PairVerdic
       verdict.evidence["conflict_registered"] = {pair.registered->conflict.share(), null.conflict, std::nullopt};
     }
   }
+}
+
+void note_support(const RegistrationResult& registration, PairVerdict& verdict) {
+  verdict.evidence["support"] = {static_cast<double>(registration.support_start),
+                                 static_cast<double>(registration.support_end), std::nullopt};
 }
 
 void note_offset(const OffsetEstimate& offset, const JudgeOptions& options, PairVerdict& verdict) {
@@ -124,6 +127,9 @@ std::string doubt(const PairEvidence& pair, const MapNull& null) {
 
 std::vector<OptionField> fields(JudgeOptions& o) {
   return {
+      choice_option("judge", o.method, {"displacement", "gamma"},
+                    "What verdicts rest on: registration's displacement against the tolerance, or the paper's Gamma and "
+                    "Theta alone."),
       real_option("tolerance", o.tolerance_m, Unit::kMetre, 0.001, 100.0,
                   "Disagreement (RMS displacement over what both submaps saw) that can be lived with."),
       real_option("alpha", o.alpha, Unit::kRatio, 1e-9, 0.5,
@@ -152,7 +158,9 @@ MapNull estimate_null(std::span<const PairEvidence> pairs) {
     if (theta && theta->log10_gamma) thetas.push_back(*theta->log10_gamma);
     if (pair.registered->conflict.known() > 0) conflicts.push_back(pair.registered->conflict.share());
   }
-  null.log10_gamma = typical_of(gammas).median;
+  const Typical gamma = typical_of(gammas);
+  null.log10_gamma = gamma.median;
+  null.log10_gamma_spread = gamma.spread;
   const Typical theta = typical_of(thetas);
   null.log10_theta = theta.median;
   null.log10_theta_spread = theta.spread;
@@ -177,6 +185,7 @@ PairVerdict judge_pair(const PairEvidence& pair, const MapNull& null, const Judg
   verdict.unobservable = pair.registration->unobservable;
   const OffsetEstimate offset = estimate_offset(*pair.registration, pair.T_target_source);
   note_offset(offset, options, verdict);
+  note_support(*pair.registration, verdict);
   const std::string measured = fmt::format("offset {} ({} to {})", in_cm(offset.offset_m),
                                            in_cm((*verdict.offset_interval_m)[0]), in_cm((*verdict.offset_interval_m)[1]));
   const std::string why_not = doubt(pair, null);
@@ -184,7 +193,7 @@ PairVerdict judge_pair(const PairEvidence& pair, const MapNull& null, const Judg
   if (!why_not.empty()) {
     verdict.reason = fmt::format("{}; {}", measured, why_not);
     verdict.p_value.reset();
-  } else if (beyond && !fit_improved(pair)) {
+  } else if (beyond && !fit_improved(*pair.registration)) {
     verdict.reason = fmt::format("{}, but the pair agrees no better there", measured);
     verdict.p_value.reset();
   } else if (beyond) {
@@ -199,6 +208,40 @@ PairVerdict judge_pair(const PairEvidence& pair, const MapNull& null, const Judg
   } else {
     verdict.reason = fmt::format("{}: too uncertain to be told from the tolerance of {}", measured,
                                  in_cm(options.tolerance_m));
+  }
+  return verdict;
+}
+
+PairVerdict judge_pair_by_gamma(const PairEvidence& pair, const MapNull& null, double resolution_m) {
+  PairVerdict verdict;
+  note_measurements(pair, null, verdict);
+  if (!pair.overlaps || !pair.map.score) {
+    verdict.reason = pair.gate;
+    return verdict;
+  }
+  const bool registered = pair.registered && pair.registered->score;
+  if (registered) {
+    const OffsetEstimate offset = estimate_offset(*pair.registration, pair.T_target_source);
+    verdict.offset_m = offset.offset_m;
+    verdict.offset_rad = offset.offset_rad;
+    verdict.offset_vector_m = offset.vector_m;
+  }
+  const std::optional<double> gamma = pair.map.score->log10_gamma;
+  const double limit = null.log10_gamma - kThetaSpreads * null.log10_gamma_spread;
+  const bool has_theta = registered && pair.registered->score->log10_gamma.has_value();
+  const double theta = has_theta ? *pair.registered->score->log10_gamma : 0.0;
+  if (!gamma || *gamma >= limit) {
+    verdict.verdict = Verdict::kConsistent;
+    verdict.reason = gamma ? fmt::format("log10 Gamma {:.2f} is in line with this map (from {:.2f})", *gamma, limit)
+                           : std::string("Gamma is infinite: all distances are equal or zero");
+  } else if (has_theta && theta - *gamma >= kThetaSlack && *verdict.offset_m > resolution_m) {
+    verdict.verdict = Verdict::kInconsistent;
+    verdict.reason = fmt::format("log10 Gamma {:.2f} is low for this map (from {:.2f}), registered {:.2f}: verified",
+                                 *gamma, limit, theta);
+  } else {
+    verdict.reason =
+        fmt::format("log10 Gamma {:.2f} is low for this map (from {:.2f}), but registration does not verify it: {}",
+                    *gamma, limit, has_theta ? fmt::format("it reaches {:.2f}", theta) : std::string("it failed"));
   }
   return verdict;
 }

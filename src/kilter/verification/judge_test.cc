@@ -11,6 +11,8 @@ namespace {
 
 const std::vector<std::string> kRobots = {"a", "b"};
 
+const MapNull kNull = {2.0, 0.1, 2.0, 0.1, 0.02, 0.01, 10};
+
 // A well-matched pair whose registration moved it by `offset_m` along x with the given certainty.
 PairEvidence pair_moved(double offset_m, double sigma_m, PairKind kind = PairKind::kGlobal, int source = 1) {
   PairEvidence pair;
@@ -29,6 +31,8 @@ PairEvidence pair_moved(double offset_m, double sigma_m, PairKind kind = PairKin
   variances.head<3>().setConstant(sigma_m * sigma_m);
   registration.covariance_measured = variances.asDiagonal();
   registration.covariance_centre = registration.covariance_measured;
+  registration.support_start = 2000;
+  registration.support_end = 4000;
   pair.registration = registration;
   pair.registered = pair.map;
   pair.registered->mean_distance_m = 0.05;
@@ -37,7 +41,7 @@ PairEvidence pair_moved(double offset_m, double sigma_m, PairKind kind = PairKin
 
 JudgedPair judged(const PairEvidence& pair, const JudgeOptions& options = {}) {
   return {pair.id, pair.kind, pair.overlaps, pair.kind == PairKind::kGlobal ? 1 : 0, 0,
-          judge_pair(pair, {2.0, 2.0, 0.1, 0.02, 0.01, 10}, options)};
+          judge_pair(pair, kNull, options)};
 }
 
 Verdict verdict_of(const PairEvidence& pair, const JudgeOptions& options = {}) {
@@ -89,7 +93,7 @@ TEST(JudgePair, AnOptimumThatStillConflictsIsNotBelieved) {
   lost.registered->overlap = 0.3;
   EXPECT_EQ(verdict_of(lost), Verdict::kUnverified);
   PairEvidence no_better = pair_moved(0.3, 0.01);
-  no_better.registered->mean_distance_m = no_better.map.mean_distance_m;
+  no_better.registration->support_end = no_better.registration->support_start;
   EXPECT_EQ(verdict_of(no_better), Verdict::kUnverified);
 }
 
@@ -110,6 +114,22 @@ TEST(JudgePair, WhatAnUnobservableDirectionCouldHideForbidsConsistent) {
   pair.registration->unobservable.emplace_back(Vector6::Unit(0));
   EXPECT_EQ(verdict_of(pair), Verdict::kUnverified);
   EXPECT_NE(judged(pair).verdict.reason.find("nothing in the scene fixes"), std::string::npos);
+}
+
+TEST(JudgePairByGamma, FollowsThePapersTestAndVerification) {
+  const auto verdict_at = [](double gamma, double theta, double offset_m) {
+    PairEvidence pair = pair_moved(offset_m, 0.01);
+    pair.map.score.emplace().log10_gamma = gamma;
+    pair.registered->score.emplace().log10_gamma = theta;
+    return judge_pair_by_gamma(pair, kNull, 0.1).verdict;
+  };
+  EXPECT_EQ(verdict_at(2.0, 2.1, 0.02), Verdict::kConsistent);
+  EXPECT_EQ(verdict_at(1.2, 2.0, 0.5), Verdict::kInconsistent);
+  EXPECT_EQ(verdict_at(1.2, 1.3, 0.5), Verdict::kUnverified);  // "rejected": Theta hardly differs
+  EXPECT_EQ(verdict_at(1.2, 2.0, 0.05), Verdict::kUnverified);
+  PairEvidence apart = pair_moved(0.0, 0.01);
+  apart.overlaps = false;
+  EXPECT_EQ(judge_pair_by_gamma(apart, kNull, 0.1).verdict, Verdict::kUnverified);
 }
 
 TEST(JudgeMap, OneBadPairMakesTheMapInconsistent) {

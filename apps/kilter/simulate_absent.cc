@@ -1,7 +1,5 @@
 // SPDX-FileCopyrightText: The kilter authors
 // SPDX-License-Identifier: BSD-3-Clause
-//
-// Stands in for simulate.cc where kilter was built without Embree.
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
@@ -11,14 +9,15 @@
 
 namespace kilter::app {
 
+// Built in the place of simulate_command.cc where Embree was not found.
 void add_simulate_command(CLI::App& program, int& status) {
-  CLI::App* app = program.add_subcommand("simulate", "make a mission whose truth and faults are known (not built in)");
+  CLI::App* app = program.add_subcommand("simulate", "not in this build: it needs Embree");
   app->allow_extras();
   app->callback([&status] {
     status = print_error({ErrorCode::kMissingDependency,
-                          "this kilter was built without its simulator",
+                          "this kilter was built without the simulator",
                           {},
-                          "install Embree 3 (Debian: libembree-dev) and build again"});
+                          "install libembree-dev and build again"});
   });
 }
 

@@ -1,0 +1,124 @@
+// SPDX-FileCopyrightText: The kilter authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <memory>
+#include <string>
+
+#include <CLI/App.hpp>
+#include <CLI/Config.hpp>
+#include <CLI/Formatter.hpp>
+#include <fmt/format.h>
+
+#include "apps/kilter/commands.h"
+#include "apps/kilter/common_options.h"
+#include "apps/kilter/exit_status.h"
+#include "apps/kilter/signals.h"
+#include "apps/kilter/simulate.h"
+#include "apps/kilter/terminal.h"
+#include "kilter/report/json_writer.h"
+
+namespace kilter::app {
+namespace {
+
+struct SimulateCommand {
+  CommonOptions common;
+  SimulateRequest request;
+  std::string format = "bin";
+};
+
+std::string robot_of(const SimulateSummary& summary, const Fault& fault) {
+  return summary.robots[static_cast<std::size_t>(fault.robot)];
+}
+
+std::string scene_list() {
+  std::string text = "Scenes:\n";
+  for (const SceneInfo& scene : scene_catalog()) text += fmt::format("  {:<16} {}\n", scene.name, scene.about);
+  return text;
+}
+
+std::string as_json(const SimulateSummary& summary) {
+  JsonWriter json;
+  json.open_object().field("schema", "kilter.simulate/1").key("robots").open_list(JsonWriter::Layout::kCompact);
+  for (const std::string& robot : summary.robots) json.value(robot);
+  json.close().field("scans", summary.scans).key("faults").open_list();
+  for (const Fault& fault : summary.faults) {
+    json.open_object(JsonWriter::Layout::kCompact)
+        .field("kind", to_string(fault.kind))
+        .field("robot", robot_of(summary, fault));
+    json.field("scan", fault.scan).field("size_m", fault.size_m).field("size_rad", fault.size_rad).close();
+  }
+  return json.close().close().take();
+}
+
+std::string as_text(const SimulateSummary& summary, const std::string& folder) {
+  std::string text = fmt::format("{} scans of {} robots in {}/mission, the truth in {}/truth\n", summary.scans,
+                                 summary.robots.size(), folder, folder);
+  for (const Fault& fault : summary.faults) {
+    text += fmt::format("  {}: robot {} at scan {}, {:.2f} m, {:.3f} rad\n", to_string(fault.kind),
+                        robot_of(summary, fault), fault.scan, fault.size_m, fault.size_rad);
+  }
+  return text;
+}
+
+int run_simulate(SimulateCommand& command) {
+  SimulateRequest& request = command.request;
+  request.writer.format = command.format == "pcd" ? ScanFormat::kPcd : ScanFormat::kBin;
+  request.writer.scene = request.scene;
+  request.writer.seed = request.options.seed;
+  catch_stop_signals();
+  Progress progress(command.common.progress_style());
+  RunContext run{command.common.jobs, &stop_flag(), {}};
+  run.progress = [&progress](std::size_t done, std::size_t total) { progress.update("scans", done, total); };
+  const Expected<SimulateSummary> summary = simulate(request, run);
+  progress.finish();
+  if (!summary) {
+    print_error(summary.error());
+    // It reads no input: whatever the system refuses, it refuses to our output.
+    const bool is_output = exit_status(summary.error().code) == kExitInput;
+    return is_output ? exit_status_of_output(summary.error().code) : exit_status(summary.error().code);
+  }
+  const std::string folder = printable(request.writer.folder.native(), 200);
+  const Expected<void> done = print_out(command.common.json ? as_json(*summary) : as_text(*summary, folder));
+  if (done) return kExitGood;
+  print_error(done.error());
+  return exit_status_of_output(done.error().code);
+}
+
+}  // namespace
+
+void add_simulate_command(CLI::App& program, int& status) {
+  const auto command = std::make_shared<SimulateCommand>();
+  SimulateRequest& request = command->request;
+  CLI::App* app = program.add_subcommand("simulate", "make a mission whose truth and faults are known");
+  app->add_option("SCENE", request.scene, "kind of world")->required();
+  app->add_option("-o,--output", request.writer.folder, "folder for mission/ and truth/")
+      ->option_text("DIR")
+      ->required();
+  app->add_option("--seed", request.options.seed, "another seed, another world (1)")->option_text("N");
+  app->add_option("--robots", request.options.robots, "how many")->option_text("N");
+  app->add_option("--scale", request.options.scale, "size of the world, as a factor")->option_text("FACTOR");
+  app->add_option("--fault", request.faults, "KIND[:ROBOT[:SIZE_M[:AT]]], or none; may be repeated")
+      ->option_text("FAULT")
+      ->allow_extra_args(false);
+  app->add_option("--beams", request.beams, "rings of the lidar (16)")->option_text("N");
+  app->add_option("--columns", request.columns, "points of a ring (1800)")
+      ->option_text("N")
+      ->check(CLI::Range(36, 7200));
+  app->add_option("--range-noise", request.range_noise_m, "standard deviation of a range (0.02 m)")
+      ->option_text("M")
+      ->check(CLI::Range(0.0, 1.0));
+  app->add_option("--motion-residual", request.motion_residual, "share of the motion that is left undistorted (0.02)")
+      ->option_text("SHARE")
+      ->check(CLI::Range(0.0, 1.0));
+  app->add_option("--scan-step", request.scan_step_m, "way between two scans (the scene's own)")
+      ->option_text("M")
+      ->check(CLI::Range(0.0, 100.0));
+  app->add_option("--format", command->format, "of the scans: bin or pcd (bin)")
+      ->option_text("FORMAT")
+      ->check(CLI::IsMember({"bin", "pcd"}));
+  app->add_flag("--replace", request.writer.replace, "remove an earlier mission in DIR first");
+  add_common_options(*app, command->common);
+  app->footer(scene_list());
+  app->callback([command, &status] { status = run_simulate(*command); });
+}
+
+}  // namespace kilter::app
