@@ -90,6 +90,31 @@ std::vector<FloorPlan::Piece> FloorPlan::walls() const {
   return pieces;
 }
 
+void FloorPlan::build_hedges(TriangleMesh& mesh, double height_m, Rng& rng) const {
+  constexpr double kSegment_m = 1.5;
+  constexpr double kDepth_m = 0.5;
+  for (const Piece& piece : walls()) {
+    const Vector2d along = (piece.end_m - piece.start_m).normalized();
+    const Vector2d away = -left_of(along);
+    const double length_m = (piece.end_m - piece.start_m).norm();
+    const int segments = std::max(1, static_cast<int>(length_m / kSegment_m));
+    for (int i = 0; i < segments; ++i) {
+      const double top_m = height_m * rng.uniform(0.92, 1.08);
+      const double setback_m = 0.5 * kDepth_m + rng.uniform(0.0, 0.25);
+      const Vector2d at_m = piece.start_m + (i + 0.5) / segments * length_m * along + setback_m * away;
+      // Longer than its share: neighbours overlap although they stand differently deep.
+      mesh.add_box({.center_m = {at_m.x(), at_m.y(), 0.5 * top_m},
+                    .size_m = {length_m / segments + 0.1, kDepth_m, top_m + 0.6},
+                    .yaw_rad = std::atan2(along.y(), along.x())},
+                   Material::kFoliage);
+      const Vector2d tree_m = at_m + rng.uniform(0.8, 1.2) * away;
+      if (rng.uniform() < 0.12 && !is_free(tree_m, nullptr)) {
+        add_tree(mesh, {tree_m.x(), tree_m.y(), 0.0}, rng.uniform(4.5, 7.0), rng.uniform(0.7, 1.1), rng);
+      }
+    }
+  }
+}
+
 void FloorPlan::build(TriangleMesh& mesh, double height_m, const std::vector<std::vector<Vector3d>>& ways,
                       double clear_m, Rng& rng) const {
   Vector2d low = strips_.front().start_m;

@@ -19,6 +19,9 @@ class FloorPlan {
   /// Free floor exactly along start -> end.
   void add_passage(const Eigen::Vector2d& start_m, const Eigen::Vector2d& end_m, double width_m);
 
+  /// Hedges instead of walls, `height_m` high, and behind them a tree now and then; no floor and no ceiling.
+  void build_hedges(TriangleMesh& mesh, double height_m, Rng& rng) const;
+
   /// Walls, floor and ceiling, and by the walls the things that tell one place from another (door frames, pillars,
   /// cabinets, extinguishers), none within `clear_m` of the ways.
   void build(TriangleMesh& mesh, double height_m, const std::vector<std::vector<Eigen::Vector3d>>& ways, double clear_m,
