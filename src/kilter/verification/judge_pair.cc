@@ -26,7 +26,7 @@ constexpr double kThetaSlack = 0.3;
 constexpr double kMaxLogOdds = 1e6;
 // Registration always moves a little: a displacement counts only if this many times as many points support the new
 // pose (lie within a quarter voxel of the other submap's planes) as the map's.
-constexpr double kLeastGain = 1.15;
+constexpr double kLeastGain = 1.3;
 
 double median_of(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
