@@ -27,6 +27,10 @@ constexpr double kMaxLogOdds = 1e6;
 // Registration always moves a little: a displacement counts only if this many times as many points support the new
 // pose (lie within a quarter voxel of the other submap's planes) as the map's.
 constexpr double kLeastGain = 1.3;
+// Where floor that fits at every shift is most of the scene, a smaller gain will do if free space agrees too: at least
+// this much of what both saw no longer conflicts, and at most half of the conflict is left.
+constexpr double kLeastGainWithFreeSpace = 1.1;
+constexpr double kLeastConflictGone = 0.02;
 
 double median_of(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
@@ -57,8 +61,13 @@ double theta_limit(const MapNull& null) {
   return null.log10_theta - std::max(kThetaSpreads * null.log10_theta_spread, kThetaSlack);
 }
 
-bool fit_improved(const RegistrationResult& registration) {
-  return static_cast<double>(registration.support_end) >= kLeastGain * static_cast<double>(registration.support_start);
+bool fit_improved(const PairEvidence& pair) {
+  const auto start = static_cast<double>(pair.registration->support_start);
+  const auto end = static_cast<double>(pair.registration->support_end);
+  const double before = pair.map.conflict.share();
+  const double after = pair.registered->conflict.share();
+  const bool conflict_gone = before - after >= kLeastConflictGone && after <= 0.5 * before;
+  return end >= kLeastGain * start || (end >= kLeastGainWithFreeSpace * start && conflict_gone);
 }
 
 void note_measurements(const PairEvidence& pair, const MapNull& null, PairVerdict& verdict) {
@@ -195,7 +204,7 @@ PairVerdict judge_pair(const PairEvidence& pair, const MapNull& null, const Judg
   if (!why_not.empty()) {
     verdict.reason = fmt::format("{}; {}", measured, why_not);
     verdict.p_value.reset();
-  } else if (beyond && !fit_improved(*pair.registration)) {
+  } else if (beyond && !fit_improved(pair)) {
     verdict.reason = fmt::format("{}, but the pair agrees no better there", measured);
     verdict.p_value.reset();
   } else if (beyond) {

@@ -97,6 +97,14 @@ TEST(JudgePair, AnOptimumThatStillConflictsIsNotBelieved) {
   EXPECT_EQ(verdict_of(no_better), Verdict::kUnverified);
 }
 
+TEST(JudgePair, ASmallGainCountsIfFreeSpaceAgrees) {
+  PairEvidence pair = pair_moved(0.3, 0.01);
+  pair.registration->support_end = pair.registration->support_start * 6 / 5;
+  EXPECT_EQ(verdict_of(pair), Verdict::kUnverified);
+  pair.map.conflict = {{1000, 80}, {1000, 80}};
+  EXPECT_EQ(verdict_of(pair), Verdict::kInconsistent);
+}
+
 TEST(JudgePair, PointsAloneMustAgreeAsWellAsTheMapsOtherPairs) {
   PairEvidence pair = pair_moved(0.01, 0.01);
   pair.registered->conflict = {};
