@@ -29,7 +29,7 @@ function(kilter_module name)
     set_target_properties(${target}_test PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
     include(GoogleTest)
     gtest_discover_tests(${target}_test TEST_PREFIX "${name}." DISCOVERY_TIMEOUT 60
-      PROPERTIES LABELS unit TIMEOUT 300 ENVIRONMENT "KILTER_SOURCE_DIR=${PROJECT_SOURCE_DIR}")
+      PROPERTIES LABELS unit TIMEOUT 1200 ENVIRONMENT "KILTER_SOURCE_DIR=${PROJECT_SOURCE_DIR}")
   endif()
 endfunction()
 

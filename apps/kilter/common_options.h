@@ -10,7 +10,7 @@
 #include "apps/kilter/settings.h"
 #include "kilter/base/expected.h"
 
-namespace CLI {
+namespace CLI {  // NOLINT(readability-identifier-naming): the library's name
 class App;
 }
 

@@ -4,8 +4,10 @@
 
 #include <fmt/format.h>
 
+// NOLINTBEGIN(readability-identifier-naming,cppcoreguidelines-macro-usage): the library reads these names
 #define TOML_EXCEPTIONS 0
 #define TOML_ENABLE_FORMATTERS 0
+// NOLINTEND(readability-identifier-naming,cppcoreguidelines-macro-usage)
 #include <toml++/toml.h>
 
 #include "kilter/io/file.h"

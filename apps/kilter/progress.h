@@ -25,7 +25,9 @@ class Progress {
 
   explicit Progress(Style style) : style_(style), last_shown_(std::chrono::steady_clock::now()) {}
   Progress(const Progress&) = delete;
+  Progress(Progress&&) = delete;
   Progress& operator=(const Progress&) = delete;
+  Progress& operator=(Progress&&) = delete;
   ~Progress() { finish(); }
 
   void update(std::string_view stage, std::size_t done, std::size_t total);

@@ -5,7 +5,7 @@
 #include <csignal>
 #include <initializer_list>
 
-#include <signal.h>
+#include <signal.h>  // NOLINT(modernize-deprecated-headers): POSIX, sigaction is not in <csignal>
 
 namespace kilter::app {
 namespace {

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "kilter/matching/conflict.h"
 
+#include <algorithm>
 #include <array>
 
 namespace kilter {
@@ -11,10 +12,8 @@ bool free_with_neighbours(const VoxelMap& map, const VoxelIndex& voxel) {
   if (map.state(voxel) != CellState::kFree) return false;
   static const std::array<VoxelIndex, 6> kFaces = {VoxelIndex(1, 0, 0),  VoxelIndex(-1, 0, 0), VoxelIndex(0, 1, 0),
                                                    VoxelIndex(0, -1, 0), VoxelIndex(0, 0, 1),  VoxelIndex(0, 0, -1)};
-  for (const VoxelIndex& face : kFaces) {
-    if (map.state(voxel + face) != CellState::kFree) return false;
-  }
-  return true;
+  return std::all_of(kFaces.begin(), kFaces.end(),
+                     [&](const VoxelIndex& face) { return map.state(voxel + face) == CellState::kFree; });
 }
 
 ConflictCount count_conflict(const VoxelMap& surface, const NearestVoxelSearch& space, const Pose3& T_space_surface,

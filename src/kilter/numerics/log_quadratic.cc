@@ -51,8 +51,8 @@ std::array<Node, kNodes> unit_rule() {
       const int half = kPoints / 2;
       const Node& node = kHalfRule[static_cast<std::size_t>(i < half ? half - 1 - i : i - half)];
       const double x = i < half ? -node.x : node.x;
-      rule[static_cast<std::size_t>(panel * kPoints + i)] = {(panel + 0.5 + 0.5 * x) / kPanels,
-                                                             0.5 * node.weight / kPanels};
+      rule[static_cast<std::size_t>(panel) * kPoints + static_cast<std::size_t>(i)] = {
+          (panel + 0.5 + 0.5 * x) / kPanels, 0.5 * node.weight / kPanels};
     }
   }
   return rule;

@@ -64,8 +64,8 @@ void MapBuilder::begin_scan() {
   touched_.clear();
 }
 
-MapBuilder::Block& MapBuilder::touch(const Eigen::Vector3i& at) {
-  const std::uint64_t key = block_key(at);
+MapBuilder::Block& MapBuilder::touch(const Eigen::Vector3i& block_at) {
+  const std::uint64_t key = block_key(block_at);
   std::size_t slot = block_hash(key) & (table_.size() - 1);
   while (table_[slot] != 0 && blocks_[table_[slot] - 1].key != key) slot = (slot + 1) & (table_.size() - 1);
   if (table_[slot] == 0) {
@@ -74,7 +74,7 @@ MapBuilder::Block& MapBuilder::touch(const Eigen::Vector3i& at) {
     table_[slot] = static_cast<std::uint32_t>(blocks_.size());
     if (2 * blocks_.size() > table_.size()) {
       grow();
-      return touch(at);
+      return touch(block_at);
     }
   }
   Block& block = blocks_[table_[slot] - 1];
@@ -188,11 +188,11 @@ VoxelMap MapBuilder::finish() {
 
 // Means of the hits inside each voxel that ended up occupied; `normals` holds the mean viewing direction for now, which
 // is what with_surface_normals orients by.
-SurfaceVoxels MapBuilder::summarise_hits(const std::vector<VoxelBlock>& finished) const {
-  std::vector<std::uint64_t> keys(finished.size());
-  std::transform(finished.begin(), finished.end(), keys.begin(), [](const VoxelBlock& block) { return block.key; });
+SurfaceVoxels MapBuilder::summarise_hits(const std::vector<VoxelBlock>& occupied) const {
+  std::vector<std::uint64_t> keys(occupied.size());
+  std::transform(occupied.begin(), occupied.end(), keys.begin(), [](const VoxelBlock& block) { return block.key; });
   const BlockIndex index(keys);
-  const std::size_t count = finished.empty() ? 0 : finished.back().first_voxel + finished.back().voxel_count;
+  const std::size_t count = occupied.empty() ? 0 : occupied.back().first_voxel + occupied.back().voxel_count;
   std::vector<Eigen::Vector3d> sums(count, Eigen::Vector3d::Zero());
   std::vector<Eigen::Vector3d> views(count, Eigen::Vector3d::Zero());
   std::vector<std::uint32_t> counts(count, 0);
@@ -201,7 +201,7 @@ SurfaceVoxels MapBuilder::summarise_hits(const std::vector<VoxelBlock>& finished
     const VoxelIndex voxel = voxel_at(point_m, options_.resolution_m);
     const std::int32_t number = index.find(block_of(voxel));
     if (number == BlockIndex::kNone) continue;  // rounding to float moved it over the border of the known
-    const VoxelBlock& block = finished[static_cast<std::size_t>(number)];
+    const VoxelBlock& block = occupied[static_cast<std::size_t>(number)];
     const int bit = bit_of(voxel);
     if ((block.occupied[static_cast<std::size_t>(bit >> 6)] >> (bit & 63) & 1) == 0) continue;
     const std::size_t i = block.first_voxel + rank_in_block(block, bit);
@@ -213,7 +213,7 @@ SurfaceVoxels MapBuilder::summarise_hits(const std::vector<VoxelBlock>& finished
   voxels.centroids_m.resize(count);
   voxels.normals.resize(count);
   voxels.planarity.assign(count, 0.0F);
-  for (const VoxelBlock& block : finished) {
+  for (const VoxelBlock& block : occupied) {
     const Eigen::Vector3i at = block_of_key(block.key);
     std::size_t i = block.first_voxel;
     for (int z = 0; z < kBlockSize; ++z) {

@@ -43,13 +43,13 @@ class MapBuilder {
     std::uint32_t origin = 0;
   };
 
-  Block& touch(const Eigen::Vector3i& block);
+  Block& touch(const Eigen::Vector3i& block_at);
   void grow();
   void mark_hit(const Eigen::Vector3d& point_m, std::uint32_t origin);
   void trace(const Eigen::Vector3d& from_m, const Eigen::Vector3d& to_m);
   void apply_scan();
   void begin_scan();
-  [[nodiscard]] SurfaceVoxels summarise_hits(const std::vector<VoxelBlock>& blocks) const;
+  [[nodiscard]] SurfaceVoxels summarise_hits(const std::vector<VoxelBlock>& occupied) const;
 
   OccupancyOptions options_;
   float log_odds_hit_;

@@ -18,7 +18,9 @@ class Stopwatch {
   explicit Stopwatch(double& seconds) : seconds_(seconds) {}
   ~Stopwatch() { seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
   Stopwatch(const Stopwatch&) = delete;
+  Stopwatch(Stopwatch&&) = delete;
   Stopwatch& operator=(const Stopwatch&) = delete;
+  Stopwatch& operator=(Stopwatch&&) = delete;
 
  private:
   double& seconds_;
@@ -79,9 +81,11 @@ std::vector<PairMeasurement> measure_all(const std::vector<Submap>& submaps,
 std::vector<JudgedPair> judge_all(const std::vector<PairMeasurement>& measured, const std::vector<Submap>& submaps,
                                   const CheckOptions& options) {
   std::vector<PairEvidence> evidence;
+  evidence.reserve(measured.size());
   for (const PairMeasurement& pair : measured) evidence.push_back(pair.evidence);
   const MapNull null = estimate_null(evidence);
   std::vector<JudgedPair> judged;
+  judged.reserve(evidence.size());
   for (const PairEvidence& pair : evidence) {
     judged.push_back({pair.id, pair.kind, pair.overlaps, submaps[static_cast<std::size_t>(pair.id.source.value)].robot,
                       submaps[static_cast<std::size_t>(pair.id.target.value)].robot,
@@ -150,10 +154,12 @@ Expected<Result> check(const std::vector<RobotLog>& robots, const CheckOptions& 
   const Stopwatch watch(result.seconds["verdicts"]);
   std::vector<JudgedPair> judged = judge_all(measured, submaps, options);
   std::vector<std::string> names;
+  names.reserve(robots.size());
   for (const RobotLog& robot : robots) names.push_back(robot.name);
   result.system = judge_map(judged, names, options.judge);
   result.candidates = static_cast<std::size_t>(std::count_if(
       candidates.begin(), candidates.end(), [](const auto& pair) { return pair.kind != PairKind::kSequential; }));
+  result.pairs.reserve(measured.size());
   for (std::size_t i = 0; i < measured.size(); ++i)
     result.pairs.push_back(pair_result(measured[i], judged[i].verdict, options));
   summarise(robots, submaps, result);

@@ -56,7 +56,7 @@ struct CheckRun {
 /// \param cuts    ranges of scans by robot name to use instead of cutting; empty = cut. Robots not named are cut.
 /// \return the result; or the reading error of the first scan that fails, kOutOfMemory beyond the budget, kCancelled.
 /// Same bits for every number of threads.
-[[nodiscard]] Expected<Result> check(const std::vector<RobotLog>& robots, const CheckOptions& options,
+[[nodiscard]] Expected<Result> check(const std::vector<RobotLog>& robots, const CheckOptions& asked,
                                      const std::map<std::string, std::vector<ScanRange>>& cuts, const CheckRun& run);
 
 }  // namespace kilter

@@ -65,8 +65,8 @@ class JsonWriter {
 
  private:
   struct Level {
-    char end;
-    Layout layout;
+    char end = '}';
+    Layout layout{};
     bool empty = true;
   };
 

@@ -35,8 +35,8 @@ void add_part(TriangleMesh& mesh, const Pose3& T_world_thing, const Vector3d& ce
 void add_body(TriangleMesh& mesh, const std::vector<Vector2d>& outline, double width_m, Material material) {
   const double half_m = 0.5 * width_m;
   for (std::size_t i = 0; i + 1 < outline.size(); ++i) {
-    const Vector2d a = outline[i];
-    const Vector2d b = outline[i + 1];
+    const Vector2d& a = outline[i];
+    const Vector2d& b = outline[i + 1];
     mesh.add_quad({a.x(), -half_m, a.y()}, {b.x(), -half_m, b.y()}, {b.x(), half_m, b.y()}, {a.x(), half_m, a.y()},
                   material);
     for (const double y : {-half_m, half_m}) {

@@ -9,6 +9,7 @@
 #endif
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 
@@ -55,8 +56,8 @@ Expected<RTCScene> build_tree(RTCDevice device, const TriangleMesh& mesh) {
     rtcReleaseGeometry(geometry);
     return pass_up(device_error(device));
   }
-  static_assert(sizeof(Eigen::Vector3f) == kVertexBytes);
-  std::memcpy(vertices, mesh.vertices_m.data(), kVertexBytes * mesh.vertices_m.size());
+  auto* coordinate = static_cast<float*>(vertices);
+  for (const Eigen::Vector3f& vertex : mesh.vertices_m) coordinate = std::copy_n(vertex.data(), 3, coordinate);
   std::memcpy(triangles, mesh.triangles.data(), kTriangleBytes * mesh.triangles.size());
   rtcCommitGeometry(geometry);
   const RTCScene scene = rtcNewScene(device);
@@ -87,7 +88,7 @@ std::optional<RayHit> hit_mesh(const RigidMesh& rigid, const Vector3d& origin_m,
 #if KILTER_EMBREE_MAJOR >= 4
   rtcIntersect1(rigid.scene, &query);
 #else
-  RTCIntersectContext context;
+  RTCIntersectContext context{};
   rtcInitIntersectContext(&context);
   rtcIntersect1(rigid.scene, &context, &query);
 #endif
@@ -124,7 +125,9 @@ struct RayCaster::Scenes {
 
   Scenes() = default;
   Scenes(const Scenes&) = delete;
+  Scenes(Scenes&&) = delete;
   Scenes& operator=(const Scenes&) = delete;
+  Scenes& operator=(Scenes&&) = delete;
   ~Scenes() {
     if (fixed.scene != nullptr) rtcReleaseScene(fixed.scene);
     for (const RigidMesh& rigid : moving_meshes) rtcReleaseScene(rigid.scene);

@@ -45,7 +45,7 @@ class RayCaster {
     friend class RayCaster;
     const RayCaster* caster_ = nullptr;
     struct Placed {
-      std::size_t object;  ///< index into TriangleWorld::moving
+      std::size_t object = 0;  ///< index into TriangleWorld::moving
       Pose3 T_object_world;
     };
     std::vector<Placed> placed_;

@@ -33,6 +33,7 @@ Scene clean(Scene scene) {
 
 std::string nearest_scene(std::string_view name) {
   std::vector<std::string> names;
+  names.reserve(kScenes.size());
   for (const SceneInfo& info : kScenes) names.emplace_back(info.name);
   const std::string near = nearest_name(name, names);
   return near.empty() ? "kilter simulate --help lists all scenes" : "did you mean " + near + "?";

@@ -35,28 +35,28 @@ std::vector<OptionField> fields(CuttingOptions& o) {
   };
 }
 
-std::vector<double> path_lengths_m(std::span<const Pose3> poses) {
-  std::vector<double> path(poses.size(), 0.0);
-  for (std::size_t i = 1; i < poses.size(); ++i) {
-    path[i] = path[i - 1] + (poses[i].translation_m() - poses[i - 1].translation_m()).norm();
+std::vector<double> path_lengths_m(std::span<const Pose3> T_world_scan) {
+  std::vector<double> path(T_world_scan.size(), 0.0);
+  for (std::size_t i = 1; i < T_world_scan.size(); ++i) {
+    path[i] = path[i - 1] + (T_world_scan[i].translation_m() - T_world_scan[i - 1].translation_m()).norm();
   }
   return path;
 }
 
-std::vector<ScanRange> cut_trajectory(std::span<const Pose3> poses, const CuttingOptions& options) {
+std::vector<ScanRange> cut_trajectory(std::span<const Pose3> T_world_scan, const CuttingOptions& options) {
   std::vector<ScanRange> ranges;
-  if (poses.empty()) return ranges;
-  const std::vector<double> path = path_lengths_m(poses);
-  const std::vector<double> turning = turning_rad(poses);
+  if (T_world_scan.empty()) return ranges;
+  const std::vector<double> path = path_lengths_m(T_world_scan);
+  const std::vector<double> turning = turning_rad(T_world_scan);
   std::size_t first = 0;
-  for (std::size_t i = 1; i < poses.size(); ++i) {
+  for (std::size_t i = 1; i < T_world_scan.size(); ++i) {
     const bool enough_scans = i - first >= static_cast<std::size_t>(options.min_scans);
     if (enough_scans && progress(path[i] - path[first], turning[i] - turning[first], options) >= kComplete) {
       ranges.push_back({first, i - 1});
       first = i;
     }
   }
-  const std::size_t last = poses.size() - 1;
+  const std::size_t last = T_world_scan.size() - 1;
   // The tail reaches from where its predecessor ended (its own first scan is a full step away from there).
   const std::size_t tail_start = first > 0 ? first - 1 : 0;
   const bool short_tail =

@@ -113,7 +113,9 @@ std::string undecided(const DecidedShares& shares, const std::vector<JudgedPair>
                       std::span<const std::string> robots, const JudgeOptions& options) {
   if (pairs.empty()) return "nothing to compare: no two submaps could show the same place";
   const auto too_few = [&](double share) { return share < options.min_decided; };
-  for (const auto& [key, share] : shares.global) {
+  for (const auto& of_robots : shares.global) {
+    const std::string& key = of_robots.first;  // clang 14 lets no lambda capture a structured binding
+    const double share = of_robots.second;
     if (!too_few(share)) continue;
     const bool meet = std::any_of(pairs.begin(), pairs.end(), [&](const JudgedPair& pair) {
       return pair.overlaps && pair.kind == PairKind::kGlobal && robots_key(pair, robots) == key;

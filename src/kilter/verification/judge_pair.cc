@@ -47,6 +47,7 @@ Typical typical_of(const std::vector<double>& values) {
   if (values.empty()) return {};
   Typical typical{median_of(values), 0.0};
   std::vector<double> deviations;
+  deviations.reserve(values.size());
   for (const double value : values) deviations.push_back(std::abs(value - typical.median));
   typical.spread = 1.4826 * median_of(deviations);
   return typical;
