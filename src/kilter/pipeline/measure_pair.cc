@@ -5,6 +5,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
+
+#include "kilter/registration/point_to_plane.h"
 
 namespace kilter {
 namespace {
@@ -17,6 +20,10 @@ constexpr double kPriorRotation_rad = 0.03;
 constexpr double kLeastPrior_m = 0.05;
 // Source voxels looked at to see whether a candidate is worth measuring.
 constexpr std::size_t kGlanceVoxels = 500;
+// Signs that registration ended in the wrong basin.
+constexpr double kKeptOverlap = 0.8;
+constexpr double kDoubtfulConflict = 0.03;
+constexpr double kFarMove_m = 0.3;
 
 // Both submaps' searches: by the points of the paper's distances, and by centroids.
 struct PairSearches {
@@ -85,6 +92,26 @@ std::string gate_reason(const TwoWaySample& sample, const CandidatePair& pair, c
   return reason;
 }
 
+// Measures the pair again where registration put it.
+void measure_registered(const PairSearches& pair, const CheckOptions& options, PairEvidence& evidence) {
+  evidence.registered.reset();
+  if (!evidence.registration->converged()) return;
+  const Pose3& T_registered = evidence.registration->T_target_source;
+  evidence.registered = measure_at(pair, T_registered, sample_both_ways(pair, T_registered, options), options);
+}
+
+// Whether the local search may have ended in the wrong place: it did not converge, lost what it began with, left
+// surfaces in free space, or moved so far that another optimum could have been as near.
+bool basin_is_doubtful(const PairEvidence& evidence) {
+  if (!evidence.registered) return true;
+  const PoseEvidence& after = *evidence.registered;
+  if (after.overlap < kKeptOverlap * evidence.map.overlap) return true;
+  if (after.conflict.share() > kDoubtfulConflict) return true;
+  const Pose3 moved = evidence.registration->T_target_source * evidence.T_target_source.inverse();
+  const Eigen::Vector3d& centre_m = evidence.registration->centre_target_m;
+  return (moved.inverse() * centre_m - centre_m).norm() > kFarMove_m;
+}
+
 // What is known of the relative position before looking. Inside one robot odometry bounds it; how the frames of two
 // robots lie to each other nothing bounds, so at least the search distance is open.
 double prior_translation_m(const CandidatePair& pair, const CheckOptions& options) {
@@ -149,16 +176,26 @@ PairMeasurement measure_pair(std::span<const Submap> submaps, const SubmapSearch
   if (!evidence.overlaps) {
     measurement.listed = always_listed;
     evidence.gate = gate_reason(sample, pair, options.matching);
-    return measurement;
+    if (!pair.predicted_enough) return measurement;
   }
   const bool oicp = options.registration.method == RegistrationMethod::kOicp;
   const auto& by = oicp ? searches.by_position : searches.by_centroid;
-  const RegistrationPrior prior{prior_translation_m(pair, options), kPriorRotation_rad};
-  evidence.registration = align_submaps(by[s], by[t], evidence.T_target_source, options.registration, prior);
-  if (!evidence.registration->converged()) return measurement;
-  const Pose3& T_registered = evidence.registration->T_target_source;
-  evidence.registered = measure_at(both, T_registered, sample_both_ways(both, T_registered, options), options);
-  if (oicp && evidence.registered->score) measurement.theta_oicp_per_m3 = evidence.registered->score->gamma_per_m3;
+  const RegistrationPrior prior{prior_translation_m(pair, options), kPriorRotation_rad,
+                                submaps[t].T_world_submap.rotation().conjugate() * Eigen::Vector3d::UnitZ()};
+  if (evidence.overlaps) {
+    evidence.registration = align_submaps(by[s], by[t], evidence.T_target_source, options.registration, prior);
+    measure_registered(both, options, evidence);
+  }
+  if (!oicp && options.registration.wide_translation_m > 0.0 && basin_is_doubtful(evidence)) {
+    RegistrationResult wide = align_widely(by[s], by[t], evidence.T_target_source, options.registration, prior);
+    if (wide.converged()) {
+      evidence.registration = std::move(wide);
+      measure_registered(both, options, evidence);
+    }
+  }
+  if (oicp && evidence.registered && evidence.registered->score) {
+    measurement.theta_oicp_per_m3 = evidence.registered->score->gamma_per_m3;
+  }
   return measurement;
 }
 

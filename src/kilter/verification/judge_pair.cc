@@ -90,6 +90,7 @@ void note_measurements(const PairEvidence& pair, const MapNull& null, PairVerdic
 void note_support(const RegistrationResult& registration, PairVerdict& verdict) {
   verdict.evidence["support"] = {static_cast<double>(registration.support_start),
                                  static_cast<double>(registration.support_end), std::nullopt};
+  if (registration.ambiguity) verdict.evidence["ambiguity"].value = *registration.ambiguity;
 }
 
 void note_offset(const OffsetEstimate& offset, const JudgeOptions& options, PairVerdict& verdict) {
@@ -184,7 +185,7 @@ MapNull estimate_null(std::span<const PairEvidence> pairs) {
 PairVerdict judge_pair(const PairEvidence& pair, const MapNull& null, const JudgeOptions& options) {
   PairVerdict verdict;
   note_measurements(pair, null, verdict);
-  if (!pair.overlaps) {
+  if (!pair.overlaps && !pair.registered) {
     verdict.reason = pair.gate;
     return verdict;
   }
