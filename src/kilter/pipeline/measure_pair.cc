@@ -119,6 +119,11 @@ double prior_translation_m(const CandidatePair& pair, const CheckOptions& option
   return std::max(pair.drift_allowance_m, least_m);
 }
 
+RegistrationPrior prior_of(const CandidatePair& pair, const Submap& target, const CheckOptions& options) {
+  return {prior_translation_m(pair, options), kPriorRotation_rad,
+          target.T_world_submap.rotation().conjugate() * Eigen::Vector3d::UnitZ()};
+}
+
 }  // namespace
 
 CheckOptions resolved(CheckOptions options) {
@@ -153,9 +158,11 @@ PairMeasurement measure_pair(std::span<const Submap> submaps, const SubmapSearch
   const auto s = static_cast<std::size_t>(pair.id.source.value);
   const auto t = static_cast<std::size_t>(pair.id.target.value);
   PairMeasurement measurement;
+  measurement.candidate = pair;
   PairEvidence& evidence = measurement.evidence;
   evidence.id = pair.id;
   evidence.kind = pair.kind;
+  evidence.resolution_m = submaps[s].map.resolution_m();
   evidence.T_target_source = submaps[t].T_world_submap.inverse() * submaps[s].T_world_submap;
   const PairSearches both{searches.by_position[s], searches.by_position[t], searches.by_centroid[s],
                           searches.by_centroid[t]};
@@ -180,8 +187,7 @@ PairMeasurement measure_pair(std::span<const Submap> submaps, const SubmapSearch
   }
   const bool oicp = options.registration.method == RegistrationMethod::kOicp;
   const auto& by = oicp ? searches.by_position : searches.by_centroid;
-  const RegistrationPrior prior{prior_translation_m(pair, options), kPriorRotation_rad,
-                                submaps[t].T_world_submap.rotation().conjugate() * Eigen::Vector3d::UnitZ()};
+  const RegistrationPrior prior = prior_of(pair, submaps[t], options);
   if (evidence.overlaps) {
     evidence.registration = align_submaps(by[s], by[t], evidence.T_target_source, options.registration, prior);
     measure_registered(both, options, evidence);
@@ -197,6 +203,21 @@ PairMeasurement measure_pair(std::span<const Submap> submaps, const SubmapSearch
     measurement.theta_oicp_per_m3 = evidence.registered->score->gamma_per_m3;
   }
   return measurement;
+}
+
+PairEvidence register_again(std::span<const Submap> submaps, const SubmapSearches& searches,
+                            const PairMeasurement& before, const Pose3& T_target_source_guess,
+                            const CheckOptions& options) {
+  PairEvidence evidence = before.evidence;
+  const auto s = static_cast<std::size_t>(evidence.id.source.value);
+  const auto t = static_cast<std::size_t>(evidence.id.target.value);
+  const PairSearches both{searches.by_position[s], searches.by_position[t], searches.by_centroid[s],
+                          searches.by_centroid[t]};
+  evidence.registration =
+      align_near(searches.by_centroid[s], searches.by_centroid[t], evidence.T_target_source, T_target_source_guess,
+                 options.registration, prior_of(before.candidate, submaps[t], options));
+  measure_registered(both, options, evidence);
+  return evidence;
 }
 
 PairResult pair_result(const PairMeasurement& measurement, const PairVerdict& verdict, const CheckOptions& options) {
@@ -216,7 +237,7 @@ PairResult pair_result(const PairMeasurement& measurement, const PairVerdict& ve
     result.registered_score = evidence.registered->score;
     result.T_target_source_registered = evidence.registration->T_target_source;
     result.covariance = evidence.registration->covariance;
-    result.trusted = verdict.verdict != Verdict::kUnverified;
+    result.trusted = verdict.verdict != Verdict::kUnverified && verdict.rigid;
   }
   const auto gamma_of = [](const std::optional<PairScore>& score) {
     return score ? score->gamma_per_m3 : std::nullopt;

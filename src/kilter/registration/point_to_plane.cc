@@ -23,12 +23,16 @@ constexpr double kLeastAgreement = 0.6;     // cosine between normals of matched
 constexpr double kSmallStep_m = 1e-3;
 constexpr double kSmallTurn_rad = 1e-4;
 constexpr double kSupportVoxels = 0.25;  // this near its plane a point supports the pose
+constexpr double kBendCell_m = 2.0;
 constexpr std::size_t kFewestResiduals = 40;
 constexpr std::size_t kAllPoints = 1U << 31;
 // The wide search.
 constexpr int kWideStarts = 6;
-constexpr int kWidePoints = 1500;      // while descending from each of them
-constexpr double kConflictCost = 3.0;  // voxels of support that one conflicting voxel outweighs
+constexpr int kWidePoints = 600;             // while descending from each of them
+constexpr std::size_t kJudgedVoxels = 6000;  // of the larger submap, to tell the best
+constexpr int kWideIterations = 18;
+constexpr double kLeastCoarseShare = 0.6;  // of the best coarse score, to be descended from
+constexpr double kConflictCost = 3.0;      // voxels of support that one conflicting voxel outweighs
 constexpr double kConflictMarginVoxels = 2.0;
 constexpr double kHomeBonus = 1.2;          // the map's own basin is left for something clearly better only
 constexpr double kWideRefinement_m = 1.0;   // a coarse pose is good to a cell or two
@@ -55,11 +59,10 @@ bool normals_agree(const Eigen::Vector3d& a, const Eigen::Vector3d& b, bool orie
 
 // Points of `from` against the planes of `onto`, in the frame of `onto`.
 void match_one_way(const NearestVoxelSearch& from, const NearestVoxelSearch& onto, const Pose3& T_onto_from,
-                   double search_m, std::size_t max_points, std::vector<PlaneResidual>& residuals) {
+                   double search_m, std::size_t stride, std::vector<PlaneResidual>& residuals) {
   const SurfaceVoxels& points = from.map().voxels();
   const SurfaceVoxels& planes = onto.map().voxels();
   const bool oriented = from.map().has_free_space() && onto.map().has_free_space();
-  const std::size_t stride = std::max<std::size_t>(1, points.size() / max_points);
   const Eigen::Isometry3d T = T_onto_from.isometry();
   for (std::size_t i = 0; i < points.size(); i += stride) {
     const Eigen::Vector3d point_m = T * points.centroids_m[i].cast<double>();
@@ -75,18 +78,37 @@ void match_one_way(const NearestVoxelSearch& from, const NearestVoxelSearch& ont
 
 // Both ways, so that it does not matter which of the two is called the source. A target point q lies off a source
 // plane by (R n) . (q - T c); moving the source moves that plane, hence the turned direction.
-std::vector<PlaneResidual> match_planes(const NearestVoxelSearch& source, const NearestVoxelSearch& target,
-                                        const Pose3& T_target_source, double search_m, std::size_t max_points) {
+struct Strides {
+  std::size_t source = 1;
+  std::size_t target = 1;
+};
+
+std::vector<PlaneResidual> match_both_ways(const NearestVoxelSearch& source, const NearestVoxelSearch& target,
+                                           const Pose3& T_target_source, double search_m, const Strides& strides) {
   std::vector<PlaneResidual> residuals;
-  match_one_way(source, target, T_target_source, search_m, max_points, residuals);
+  match_one_way(source, target, T_target_source, search_m, strides.source, residuals);
   const std::size_t forward = residuals.size();
-  match_one_way(target, source, T_target_source.inverse(), search_m, max_points, residuals);
+  match_one_way(target, source, T_target_source.inverse(), search_m, strides.target, residuals);
   const Eigen::Isometry3d T = T_target_source.isometry();
   for (std::size_t i = forward; i < residuals.size(); ++i) {
     residuals[i].point_m = T * residuals[i].point_m;
     residuals[i].direction = -(T.linear() * residuals[i].direction);
   }
   return residuals;
+}
+
+// About max_points of each.
+std::vector<PlaneResidual> match_planes(const NearestVoxelSearch& source, const NearestVoxelSearch& target,
+                                        const Pose3& T_target_source, double search_m, std::size_t max_points) {
+  const auto stride = [&](const NearestVoxelSearch& of) {
+    return std::max<std::size_t>(1, of.map().voxels().size() / max_points);
+  };
+  return match_both_ways(source, target, T_target_source, search_m, {stride(source), stride(target)});
+}
+
+std::vector<PlaneResidual> match_every(const NearestVoxelSearch& source, const NearestVoxelSearch& target,
+                                       const Pose3& T_target_source, double search_m, std::size_t stride) {
+  return match_both_ways(source, target, T_target_source, search_m, {stride, stride});
 }
 
 double median_absolute_m(const std::vector<PlaneResidual>& residuals) {
@@ -188,6 +210,8 @@ RegistrationResult finish(const NearestVoxelSearch& source, const NearestVoxelSe
     result.stop = StopReason::kTooFewMatches;
     return result;
   }
+  result.bend =
+      measure_bend(match_planes(source, target, descent.T, options.search_distance_m, kAllPoints), kBendCell_m);
   apply_kernel(residuals, kFinalKernelVoxels * resolution_m);
   const NormalEquations equations = build_normal_equations(residuals);
   const ObservableSplit split = split_observable(equations);
@@ -209,12 +233,15 @@ struct Optimum {
 Optimum judged(const NearestVoxelSearch& source, const NearestVoxelSearch& target, const Descent& descent,
                const RegistrationOptions& options) {
   const double resolution_m = target.map().resolution_m();
-  const std::size_t support =
-      count_below(match_planes(source, target, descent.T, final_search_m(target, options), kAllPoints),
-                  kSupportVoxels * resolution_m);
-  const ConflictSample conflict = measure_conflict(source, target, descent.T, kConflictMarginVoxels * resolution_m);
+  const std::size_t larger = std::max(source.map().voxels().size(), target.map().voxels().size());
+  const std::size_t stride = std::max<std::size_t>(1, larger / kJudgedVoxels);
+  const std::size_t support = count_below(
+      match_every(source, target, descent.T, final_search_m(target, options), stride), kSupportVoxels * resolution_m);
+  const ConflictSample conflict =
+      measure_conflict(source, target, descent.T, kConflictMarginVoxels * resolution_m, stride);
   const std::size_t conflicting = conflict.source_in_target.conflicting + conflict.target_in_source.conflicting;
-  return {descent, static_cast<double>(support) - kConflictCost * static_cast<double>(conflicting)};
+  const double worth = static_cast<double>(support) - kConflictCost * static_cast<double>(conflicting);
+  return {descent, worth * static_cast<double>(stride)};
 }
 
 // RMS over points at the source's own spread would need them all; its box is near enough to tell optima apart.
@@ -246,11 +273,14 @@ RegistrationResult align_widely(const NearestVoxelSearch& source, const NearestV
   const double reach_m = std::max(options.wide_translation_m, prior.translation_m);
   const CoarseSearchRange range{reach_m, std::min(reach_m, kMostRise_m), options.max_rotation_rad};
   std::vector<Pose3> starts = {start};
-  for (const CoarsePose& pose : coarse_search(source.map(), target.map(), start, range, prior.up_target, kWideStarts)) {
-    starts.push_back(pose.T_target_source);
+  const std::vector<CoarsePose> coarse =
+      coarse_search(source.map(), target.map(), start, range, prior.up_target, kWideStarts);
+  for (const CoarsePose& pose : coarse) {
+    if (pose.score >= kLeastCoarseShare * coarse.front().score) starts.push_back(pose.T_target_source);
   }
   RegistrationOptions quick = options;
   quick.max_points = std::min(options.max_points, kWidePoints);
+  quick.max_iterations = std::min(options.max_iterations, kWideIterations);
   std::vector<Optimum> optima;
   for (const Pose3& from : starts) {
     // A coarse pose is a cell or two off; from the map's own pose the whole way is open.
@@ -279,8 +309,18 @@ RegistrationResult align_widely(const NearestVoxelSearch& source, const NearestV
   if (descent.stop != StopReason::kConverged) descent = best->descent;
   RegistrationResult result = finish(source, target, start, descent, options, prior);
   result.searched = true;
+  result.worth = best->worth;
   result.ambiguity = runner_up == nullptr ? 0.0 : std::clamp(runner_up->worth / std::max(best->worth, 1.0), 0.0, 1.0);
   if (runner_up != nullptr) result.T_target_source_runner_up = runner_up->descent.T;
+  return result;
+}
+
+RegistrationResult align_near(const NearestVoxelSearch& source, const NearestVoxelSearch& target, const Pose3& start,
+                              const Pose3& guess, const RegistrationOptions& options, const RegistrationPrior& prior) {
+  const Descent descent = descend(source, target, guess, options, kWideRefinement_m);
+  RegistrationResult result = finish(source, target, start, descent, options, prior);
+  result.searched = true;
+  if (result.converged()) result.worth = judged(source, target, descent, options).worth;
   return result;
 }
 

@@ -23,4 +23,9 @@ namespace kilter {
                                               const Pose3& T_target_source_start, const RegistrationOptions& options,
                                               const RegistrationPrior& prior);
 
+/// Descends from a guess instead of from the map's pose, at most a metre from it. `ambiguity` is left absent.
+[[nodiscard]] RegistrationResult align_near(const NearestVoxelSearch& source, const NearestVoxelSearch& target,
+                                            const Pose3& T_target_source_start, const Pose3& T_target_source_guess,
+                                            const RegistrationOptions& options, const RegistrationPrior& prior);
+
 }  // namespace kilter

@@ -11,6 +11,7 @@
 #include "kilter/base/option_table.h"
 #include "kilter/geometry/pose3.h"
 #include "kilter/matching/nearest_voxel.h"
+#include "kilter/registration/bend.h"
 
 namespace kilter {
 
@@ -74,8 +75,12 @@ struct RegistrationResult {
   Matrix6 covariance_measured = Matrix6::Zero();
   /// Unit twists about `centre_target_m` along the target's axes that the scene does not fix.
   std::vector<Vector6> unobservable;
+  Bend bend;  ///< what still lies apart at the end, of places at most search_distance_m from each other
   /// Found by the wide search instead of from the map's pose.
   bool searched = false;
+  /// Voxels that a plane supports at the end, less what free-space conflict costs: what the wide search ranks poses by.
+  /// Known where it ran.
+  double worth = 0.0;
   /// Worth (support less conflict) of the next best distinct pose as a share of the best, where the wide search found
   /// one: near 1, the pair fits as well elsewhere. Absent if the wide search did not run.
   std::optional<double> ambiguity;
