@@ -92,7 +92,8 @@ def draw_range(points, out):
     azimuth = np.degrees(np.arctan2(points[:, 1], points[:, 0]))
     elevation = np.degrees(np.arcsin(points[:, 2] / np.maximum(distance, 1e-9)))
     figure, axes = plt.subplots(figsize=(14, 4))
-    dots = axes.scatter(-azimuth, elevation, s=1.5, c=np.log10(distance), cmap="turbo", linewidths=0)
+    dots = axes.scatter(-azimuth, elevation, s=1.5, c=np.log10(np.maximum(distance, 1e-9)), cmap="turbo",
+                        vmin=0.0, vmax=np.log10(50.0), linewidths=0)
     bar = figure.colorbar(dots, ticks=np.log10([1, 2, 5, 10, 20, 50]))
     bar.ax.set_yticklabels(["1 m", "2", "5", "10", "20", "50"])
     axes.set_xlabel("azimuth, clockwise [deg]")

@@ -3,7 +3,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Sets the cells that the paper's Section V discusses beside ours, on simulated missions.
 
-    paper_table.py indoor|outdoor [--seeds 1-20] [--kilter build/kilter] [--keep DIR] [--no-default] [--set KEY=VALUE]
+    paper_table.py indoor|outdoor [--seeds 1-20,23] [--kilter build/kilter] [--keep DIR] [--no-default]
+                    [--set KEY=VALUE]
 
 For each seed: kilter simulate, kilter check --preset seed and kilter check with defaults. Prints, as Markdown, a row
 per discussed cell: the medians over the seeds, and in how many of them it came out as in the paper; then the cells
@@ -128,8 +129,8 @@ def parse_arguments():
     parser.add_argument("--no-default", action="store_true")
     parser.add_argument("--set", action="append", default=[], help="key=value for the run with --preset seed")
     arguments = parser.parse_args()
-    low, _, high = arguments.seeds.partition("-")
-    arguments.seeds = range(int(low), int(high or low) + 1)
+    ranges = [part.partition("-") for part in arguments.seeds.split(",")]
+    arguments.seeds = [seed for low, _, high in ranges for seed in range(int(low), int(high or low) + 1)]
     arguments.kilter = arguments.kilter.resolve()
     arguments.settings = [word for setting in ["local_min_gap=3", *arguments.set] for word in ("--set", setting)]
     return arguments
