@@ -41,6 +41,7 @@ struct CheckCommand {
   std::optional<std::string> cuts;
   std::string preset;
   bool maps = false;
+  G2oDialect g2o_dialect = G2oDialect::kG2o;
   FailOn fail_on = FailOn::kUndetermined;
 };
 
@@ -132,13 +133,13 @@ RunInfo run_info(const CheckCommand& command) {
           date_now()};
 }
 
-std::vector<OutputFile> output_files(const Result& result, const std::string& json) {
+std::vector<OutputFile> output_files(const Result& result, const std::string& json, G2oDialect dialect) {
   std::vector<OutputFile> files = {
       {"pairs.csv", pairs_csv(result)},
       {"gamma.csv", matrix_csv(result, gamma_matrix(result).entries())},
       {"theta.csv", matrix_csv(result, theta_matrix(result).entries())},
       {"verified.csv", matrix_csv(result, verified_matrix(result).entries())},
-      {"constraints.g2o", constraints_g2o(result)},
+      {"constraints.g2o", constraints_g2o(result, dialect)},
   };
   for (const FusedMap& map : result.maps) {
     files.push_back({std::filesystem::path("maps") / (map.name + ".ply"), map_ply(map, result.robots)});
@@ -192,7 +193,7 @@ int run_check(const CheckCommand& command) {
   if (stop_flag()) return print_error({ErrorCode::kCancelled, "stopped on request; nothing was written", {}, {}});
   const std::string json = result_json(*result, config_echo(*job), run_info(command));
   print_notes(command, *result);
-  if (auto done = write_output_folder(command.output_folder, output_files(*result, json)); !done) {
+  if (auto done = write_output_folder(command.output_folder, output_files(*result, json, command.g2o_dialect)); !done) {
     return refuse_output(done.error());
   }
   if (auto done = present(command, *job, *result, json); !done) return refuse_output(done.error());
@@ -219,6 +220,11 @@ void add_check_command(CLI::App& program, int& status) {
   app->add_option("--fail-on", command->fail_on, "which verdicts give a status other than 0")
       ->option_text("inconsistent|undetermined|never (undetermined: both)")
       ->transform(CLI::CheckedTransformer(names).description(""));
+  const std::map<std::string, G2oDialect> dialects = {
+      {"g2o", G2oDialect::kG2o}, {"gtsam", G2oDialect::kGtsam}, {"ceres", G2oDialect::kCeres}};
+  app->add_option("--g2o-dialect", command->g2o_dialect, "whose reading of its numbers constraints.g2o is written for")
+      ->option_text("g2o|gtsam|ceres (g2o)")
+      ->transform(CLI::CheckedTransformer(dialects).description(""));
   add_common_options(*app, command->common);
   app->callback([command, &status] { status = run_check(*command); });
 }

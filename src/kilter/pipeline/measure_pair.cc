@@ -192,7 +192,8 @@ PairMeasurement measure_pair(std::span<const Submap> submaps, const SubmapSearch
     evidence.registration = align_submaps(by[s], by[t], evidence.T_target_source, options.registration, prior);
     measure_registered(both, options, evidence);
   }
-  if (!oicp && options.registration.wide_translation_m > 0.0 && basin_is_doubtful(evidence)) {
+  if (!oicp && options.registration.wide_translation_m > 0.0 &&
+      (options.registration.always_search || basin_is_doubtful(evidence))) {
     RegistrationResult wide = align_widely(by[s], by[t], evidence.T_target_source, options.registration, prior);
     if (wide.converged()) {
       evidence.registration = std::move(wide);

@@ -23,11 +23,12 @@ std::string pose_text(const Pose3& pose) {
   return text;
 }
 
-std::string edge_text(const Result& result, const PairResult& pair) {
+std::string edge_text(const Result& result, const PairResult& pair, G2oDialect dialect) {
   const std::string names = fmt::format("{} <- {}", printable(result.submap(pair.id.target).name),
                                         printable(result.submap(pair.id.source).name));
   if (!pair.T_target_source_registered || !pair.covariance) return fmt::format("# {}: no covariance, no edge\n", names);
-  const std::optional<Matrix6> information = g2o_information(*pair.covariance);
+  const std::optional<Matrix6> information =
+      information_for(dialect, *pair.covariance, *pair.T_target_source_registered);
   if (!information) return fmt::format("# {}: covariance cannot be inverted, no edge\n", names);
   std::string text = fmt::format("# {}\nEDGE_SE3:QUAT {} {}{}", names, pair.id.target.value, pair.id.source.value,
                                  pose_text(*pair.T_target_source_registered));
@@ -40,11 +41,19 @@ std::string edge_text(const Result& result, const PairResult& pair) {
 }  // namespace
 
 std::optional<Matrix6> g2o_information(const Matrix6& covariance) {
+  return information_for(G2oDialect::kG2o, covariance, {});
+}
+
+std::optional<Matrix6> information_for(G2oDialect dialect, const Matrix6& covariance, const Pose3& T_target_source) {
   if (!covariance.allFinite()) return std::nullopt;
-  Vector6 half_angle;
-  half_angle << 1.0, 1.0, 1.0, 0.5, 0.5, 0.5;
-  const Matrix6 symmetric = 0.5 * (covariance + covariance.transpose());
-  const Matrix6 sigma = half_angle.asDiagonal() * symmetric * half_angle.asDiagonal();
+  Matrix6 J = Matrix6::Identity();  // d(reader's error) / d xi
+  if (dialect == G2oDialect::kG2o) J.bottomRightCorner<3, 3>() *= 0.5;
+  if (dialect == G2oDialect::kCeres) {
+    const Eigen::Matrix3d R = T_target_source.rotation().toRotationMatrix();
+    J.topLeftCorner<3, 3>() = R;
+    J.bottomRightCorner<3, 3>() = -R;
+  }
+  const Matrix6 sigma = J * (0.5 * (covariance + covariance.transpose())) * J.transpose();
   const Vector6 values = Eigen::SelfAdjointEigenSolver<Matrix6>(sigma, Eigen::EigenvaluesOnly).eigenvalues();
   if (!(values[0] > 0.0) || values[0] < kMinConditionInverse * values[5]) return std::nullopt;
   const Matrix6 information = sigma.ldlt().solve(Matrix6::Identity());
@@ -52,17 +61,28 @@ std::optional<Matrix6> g2o_information(const Matrix6& covariance) {
   return 0.5 * (information + information.transpose());
 }
 
-std::string constraints_g2o(const Result& result) {
+std::string constraints_g2o(const Result& result, G2oDialect dialect) {
   std::string text =
-      "# kilter: submaps as vertices, T_world_submap; trusted registrations as edges target source, T_target_source\n"
-      "# information for g2o's error (x y z qx qy qz); readers that take rotation vectors see it four times too "
-      "strong\n";
+      "# kilter: submaps as vertices, T_world_submap; trusted registrations as edges target source, T_target_source\n";
+  switch (dialect) {
+    case G2oDialect::kG2o:
+      text +=
+          "# information for g2o's error (x y z qx qy qz); readers that take rotation vectors see it four times too "
+          "strong\n";
+      break;
+    case G2oDialect::kGtsam:
+      text += "# information as GTSAM reads it: (x y z rx ry rz) in the source's frame, rotation vectors\n";
+      break;
+    case G2oDialect::kCeres:
+      text += "# information as Ceres' pose_graph_3d reads it: (x y z rx ry rz) along the target's axes\n";
+      break;
+  }
   for (const SubmapSummary& submap : result.submaps) {
     text += fmt::format("# {}\nVERTEX_SE3:QUAT {}{}\n", printable(submap.name), submap.id.value,
                         pose_text(submap.T_world_submap));
   }
   for (const PairResult& pair : result.pairs) {
-    if (pair.trusted) text += edge_text(result, pair);
+    if (pair.trusted) text += edge_text(result, pair, dialect);
   }
   return text;
 }

@@ -23,6 +23,56 @@ Vector6 g2o_error(const Pose3& measured, const Pose3& actual) {
   return error;
 }
 
+// What GTSAM's between factor takes, its blocks in the file's order: the rotation vector and the translation of the
+// difference in the source's frame.
+Vector6 gtsam_error(const Pose3& measured, const Pose3& actual) { return (measured.inverse() * actual).log(); }
+
+// What Ceres' pose graph example takes.
+Vector6 ceres_error(const Pose3& measured, const Pose3& actual) {
+  Eigen::Quaterniond turn = measured.rotation() * actual.rotation().conjugate();
+  if (turn.w() < 0.0) turn.coeffs() *= -1.0;
+  Vector6 error;
+  error << actual.translation_m() - measured.translation_m(), 2.0 * turn.vec();
+  return error;
+}
+
+Vector6 error_of(G2oDialect dialect, const Pose3& measured, const Pose3& actual) {
+  switch (dialect) {
+    case G2oDialect::kG2o:
+      return g2o_error(measured, actual);
+    case G2oDialect::kGtsam:
+      return gtsam_error(measured, actual);
+    case G2oDialect::kCeres:
+      return ceres_error(measured, actual);
+  }
+  return {};
+}
+
+// Finds the pose that two contradicting edges between the same two vertices settle on, as an optimiser that reads the
+// dialect would: Gauss-Newton with numeric derivatives.
+Pose3 settle(G2oDialect dialect, const std::vector<Pose3>& measured, const std::vector<Matrix6>& covariances) {
+  Pose3 pose = measured.front();
+  for (int iteration = 0; iteration < 20; ++iteration) {
+    Matrix6 H = Matrix6::Zero();
+    Vector6 g = Vector6::Zero();
+    for (std::size_t k = 0; k < measured.size(); ++k) {
+      const Matrix6 information = *information_for(dialect, covariances[k], measured[k]);
+      const Vector6 error = error_of(dialect, measured[k], pose);
+      Matrix6 J;
+      for (int axis = 0; axis < 6; ++axis) {
+        const Vector6 step = 1e-6 * Vector6::Unit(axis);
+        J.col(axis) = (error_of(dialect, measured[k], pose * Pose3::exp(step)) -
+                       error_of(dialect, measured[k], pose * Pose3::exp(-step))) /
+                      2e-6;
+      }
+      H += J.transpose() * information * J;
+      g += J.transpose() * information * error;
+    }
+    pose = pose * Pose3::exp(-H.ldlt().solve(g));
+  }
+  return pose;
+}
+
 Matrix6 random_covariance(Rng& rng) {
   Matrix6 a;
   for (double& entry : a.reshaped()) entry = rng.normal();
@@ -44,6 +94,42 @@ TEST(ConstraintsG2o, TheCostOfASmallErrorIsItsMahalanobisDistance) {
     const double cost = error.dot(*information * error);
     const double expected = xi.dot(covariance.inverse() * xi);
     EXPECT_NEAR(cost, expected, 1e-3 * expected);
+  }
+}
+
+TEST(ConstraintsG2o, EveryReaderPaysTheMahalanobisDistance) {
+  Rng rng(4, 0);
+  for (const G2oDialect dialect : {G2oDialect::kG2o, G2oDialect::kGtsam, G2oDialect::kCeres}) {
+    for (int trial = 0; trial < 20; ++trial) {
+      const Matrix6 covariance = random_covariance(rng);
+      Vector6 xi;
+      for (double& entry : xi) entry = 1e-4 * rng.normal();
+      Vector6 start;
+      for (double& entry : start) entry = rng.normal();
+      const Pose3 measured = Pose3::exp(start);
+      const Vector6 error = error_of(dialect, measured, measured * Pose3::exp(xi));
+      const auto information = information_for(dialect, covariance, measured);
+      ASSERT_TRUE(information);
+      const double expected = xi.dot(covariance.inverse() * xi);
+      EXPECT_NEAR(error.dot(*information * error), expected, 1e-3 * expected) << static_cast<int>(dialect);
+    }
+  }
+}
+
+TEST(ConstraintsG2o, AGraphSettlesOnTheSamePosesInEveryDialect) {
+  Rng rng(5, 0);
+  Vector6 start;
+  start << 3.0, -2.0, 0.5, 0.2, -0.1, 1.1;
+  const Pose3 first = Pose3::exp(start);
+  Vector6 apart;
+  apart << 0.02, -0.01, 0.015, 0.004, 0.002, -0.003;
+  const std::vector<Pose3> measured = {first, first * Pose3::exp(apart)};
+  const std::vector<Matrix6> covariances = {1e-4 * random_covariance(rng), 1e-4 * random_covariance(rng)};
+  const Pose3 reference = settle(G2oDialect::kG2o, measured, covariances);
+  EXPECT_GT((reference.inverse() * measured[0]).log().norm(), 1e-3);  // both pull
+  for (const G2oDialect dialect : {G2oDialect::kGtsam, G2oDialect::kCeres}) {
+    const Vector6 difference = (reference.inverse() * settle(dialect, measured, covariances)).log();
+    EXPECT_LT(difference.norm(), 2e-4) << static_cast<int>(dialect);
   }
 }
 
