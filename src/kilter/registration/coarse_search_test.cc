@@ -1,0 +1,84 @@
+// SPDX-FileCopyrightText: The kilter authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "kilter/registration/coarse_search.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <tuple>
+#include <vector>
+
+#include "kilter/occupancy/map_builder.h"
+#include "testing/scenes.h"
+
+namespace kilter {
+namespace {
+
+Pose3 pose_at(double x, double y, double z, double yaw) {
+  return {Eigen::Quaterniond(Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ())), {x, y, z}};
+}
+
+struct Views {
+  Submap target;
+  Submap source;
+  Pose3 T_target_source;
+};
+
+Views room_views() {
+  const auto scene = testing::furnished_room();
+  const std::vector<Pose3> first = {pose_at(3.03, 2.52, 1.04, 0.1), pose_at(4.03, 3.02, 1.04, 0.3)};
+  const std::vector<Pose3> second = {pose_at(8.21, 3.53, 1.02, 2.0), pose_at(7.51, 5.53, 1.02, 1.7)};
+  return {testing::submap_of(scene, first, first[0], 1), testing::submap_of(scene, second, second[0], 2),
+          first[0].inverse() * second[0]};
+}
+
+TEST(CoarseSearch, OneOfTheBestPosesLiesInTheBasinOfTheTruth) {
+  const Views views = room_views();
+  for (const auto& [x, y, yaw] :
+       {std::tuple(0.0, 0.0, 0.0), std::tuple(2.3, -1.7, 0.15), std::tuple(-3.6, 3.1, -0.3)}) {
+    const Pose3 start = pose_at(x, y, 0.0, yaw) * views.T_target_source;
+    const auto poses =
+        coarse_search(views.source.map, views.target.map, start, {5.0, 0.5, 0.35}, Eigen::Vector3d::UnitZ(), 6);
+    ASSERT_FALSE(poses.empty());
+    double nearest_m = 99.0;
+    for (const CoarsePose& pose : poses) {
+      const Pose3 error = views.T_target_source.inverse() * pose.T_target_source;
+      if (error.angle_rad() < 0.1) nearest_m = std::min(nearest_m, error.translation_m().norm());
+      EXPECT_LE(pose.score, poses.front().score);
+      EXPECT_LE(pose.score, 1.0);
+    }
+    EXPECT_LT(nearest_m, 0.6) << x;
+  }
+}
+
+TEST(CoarseSearch, TheVerticalMayLieAnywhereInTheTarget) {
+  const Views views = room_views();
+  // The same pair with the target's frame lying on its side.
+  const Pose3 T_side_target(Eigen::Quaterniond(Eigen::AngleAxisd(1.5707963, Eigen::Vector3d::UnitX())), {0, 0, 0});
+  Submap lying = views.target;
+  MapBuilder builder({.resolution_m = 0.1, .min_range_m = 0.0});
+  std::vector<Eigen::Vector3d> points_m;
+  for (const Eigen::Vector3f& c : views.target.map.voxels().centroids_m) {
+    points_m.push_back(T_side_target * c.cast<double>());
+  }
+  builder.insert_points(points_m);
+  lying.map = builder.finish();
+  const Pose3 truth = T_side_target * views.T_target_source;
+  const Eigen::Vector3d up = T_side_target.rotation() * Eigen::Vector3d::UnitZ();
+  const Pose3 start = T_side_target * pose_at(2.0, 1.0, 0.0, 0.1) * views.T_target_source;
+  const auto poses = coarse_search(views.source.map, lying.map, start, {5.0, 0.5, 0.35}, up, 6);
+  double nearest_m = 99.0;
+  for (const CoarsePose& pose : poses) {
+    nearest_m = std::min(nearest_m, (truth.inverse() * pose.T_target_source).translation_m().norm());
+  }
+  EXPECT_LT(nearest_m, 0.6);
+}
+
+TEST(CoarseSearch, EmptyMapsGiveNothing) {
+  const Views views = room_views();
+  EXPECT_TRUE(coarse_search(VoxelMap(), views.target.map, {}, {}, Eigen::Vector3d::UnitZ(), 6).empty());
+  EXPECT_TRUE(coarse_search(views.source.map, VoxelMap(), {}, {}, Eigen::Vector3d::UnitZ(), 6).empty());
+}
+
+}  // namespace
+}  // namespace kilter

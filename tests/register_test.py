@@ -1,0 +1,103 @@
+#!/usr/bin/env python3
+# SPDX-FileCopyrightText: The kilter authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""kilter register, driven from outside: the pose it finds, what it says of itself, what it refuses."""
+import json
+import math
+import pathlib
+import struct
+import tempfile
+import unittest
+
+from kilter_runner import main, run_kilter
+
+
+def room():
+    """Points of a furnished L-shaped room, 4 cm apart, that looks like itself in one pose only."""
+    points = []
+
+    def patch(corner, u, v):
+        steps_u, steps_v = (max(1, round(math.dist((0, 0, 0), w) / 0.04)) for w in (u, v))
+        for i in range(steps_u):
+            for j in range(steps_v):
+                points.append([c + a * i / steps_u + b * j / steps_v for c, a, b in zip(corner, u, v)])
+
+    patch((0, 0, 0), (8, 0, 0), (0, 6, 0))
+    for corner, along in (((0, 0, 0), (8, 0, 0)), ((0, 0, 0), (0, 6, 0)), ((8, 0, 0), (0, 3.5, 0)),
+                          ((5, 3.5, 0), (3, 0, 0)), ((5, 3.5, 0), (0, 2.5, 0)), ((0, 6, 0), (5, 0, 0)),
+                          ((2, 2, 0), (0.9, 0, 0)), ((2, 2, 0), (0, 0.6, 0)), ((6.2, 1.1, 0), (0.5, 0.5, 0))):
+        patch(corner, along, (0, 0, 2.5))
+    return points
+
+
+def write_bin(path, points):
+    path.write_bytes(b"".join(struct.pack("<4f", *point, 0.0) for point in points))
+
+
+def moved_into_source(points, x, y, yaw):
+    """The points in the frame of a source that stands at (x, y, yaw) of the target."""
+    c, s = math.cos(yaw), math.sin(yaw)
+    return [(c * (p[0] - x) + s * (p[1] - y), -s * (p[0] - x) + c * (p[1] - y), p[2]) for p in points]
+
+
+class RegisterTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.TemporaryDirectory()
+        cls.root = pathlib.Path(cls.folder.name)
+        write_bin(cls.root / "target.bin", room())
+        write_bin(cls.root / "source.bin", moved_into_source(room(), 1.8, -0.9, 0.25))
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.folder.cleanup()
+
+    def register(self, *options):
+        return run_kilter("register", self.root / "target.bin", self.root / "source.bin", *options)
+
+    def test_finds_the_pose_from_afar_and_says_how_sure_it_is(self):
+        done = self.register("--json")
+        self.assertEqual(done.status, 0, done.stderr)
+        said = json.loads(done.stdout)
+        self.assertTrue(said["converged"])
+        x, y, z, _, _, qz, qw = said["T_target_source"]
+        self.assertAlmostEqual(x, 1.8, delta=0.02)
+        self.assertAlmostEqual(y, -0.9, delta=0.02)
+        self.assertAlmostEqual(z, 0.0, delta=0.02)
+        self.assertAlmostEqual(2 * math.atan2(qz, qw), 0.25, delta=0.005)
+        self.assertEqual(len(said["covariance"]), 36)
+        self.assertLess(math.sqrt(said["covariance"][0]), 0.05)
+        self.assertEqual(said["unobservable"], [])
+        self.assertLess(said["ambiguity"], 0.7)
+
+    def test_writes_the_aligned_cloud(self):
+        path = self.root / "aligned.ply"
+        self.assertEqual(self.register("-o", path).status, 0)
+        header, _, body = path.read_bytes().partition(b"end_header\n")
+        self.assertIn(f"element vertex {len(room())}".encode(), header)
+        first = struct.unpack("<3d", body[:24])
+        self.assertLess(math.dist(first, room()[0]), 0.05)
+
+    def test_same_bytes_for_any_number_of_threads(self):
+        self.assertEqual(self.register("--json", "--jobs", "1").stdout, self.register("--json", "--jobs", "2").stdout)
+
+    def test_refuses_what_it_cannot_use(self):
+        done = run_kilter("register", self.root / "target.bin", self.root / "none.bin")
+        self.assertEqual(done.status, 3)
+        self.assertIn("none.bin", done.stderr)
+        self.assertEqual(self.register("--init", "1 2 3").status, 2)
+        (self.root / "empty.bin").write_bytes(b"")
+        self.assertEqual(run_kilter("register", self.root / "target.bin", self.root / "empty.bin").status, 3)
+
+    def test_says_so_when_nothing_meets(self):
+        write_bin(self.root / "far.bin", [(p[0] + 500, p[1], p[2]) for p in room()])
+        done = run_kilter("register", self.root / "target.bin", self.root / "far.bin", "--json")
+        self.assertEqual(done.status, 0, done.stderr)
+        said = json.loads(done.stdout)
+        self.assertFalse(said["converged"])
+        self.assertIsNone(said["T_target_source"])
+        self.assertIsNone(said["covariance"])
+
+
+if __name__ == "__main__":
+    main()
