@@ -21,11 +21,12 @@ ConflictCount count_conflict(const VoxelMap& surface, const NearestVoxelSearch& 
   ConflictCount count;
   if (!space.map().has_free_space()) return count;
   const Eigen::Isometry3d T = T_space_surface.isometry();
+  NearestVoxelCursor nearest(space);
   for (std::size_t i = 0; i < surface.voxels().size(); i += stride) {
     const Eigen::Vector3d at_m = T * surface.voxels().centroids_m[i].cast<double>();
     const VoxelIndex voxel = voxel_at(at_m, space.map().resolution_m());
     const bool free = free_with_neighbours(space.map(), voxel);
-    if (space.nearest(at_m, margin_m)) {
+    if (nearest.nearest(at_m, margin_m)) {
       ++count.known;
     } else if (free) {
       ++count.known;

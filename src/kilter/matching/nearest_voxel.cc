@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <tuple>
 
@@ -13,6 +14,16 @@ namespace kilter {
 namespace {
 
 constexpr std::uint32_t kNoVoxel = std::numeric_limits<std::uint32_t>::max();
+
+// Four floats, as every 64-bit processor has them.
+constexpr std::uint32_t kLanes = 4;
+using Lanes = float __attribute__((vector_size(kLanes * sizeof(float))));
+
+Lanes lanes_at(const std::vector<float>& values, std::uint32_t first) {
+  Lanes lanes;
+  std::memcpy(&lanes, values.data() + first, sizeof(lanes));
+  return lanes;
+}
 
 // Distance along one axis from u in [0, edge) to the block `offset` blocks away.
 double axis_gap_m(int offset, double u_m, double edge_m) {
@@ -59,41 +70,86 @@ NearestVoxelSearch::NearestVoxelSearch(const VoxelMap& map, VoxelPosition positi
 
 void NearestVoxelSearch::scan_block(const VoxelBlock& block, const Eigen::Vector3f& point, float& best2,
                                     std::uint32_t& best) const {
-  const std::uint32_t end = block.first_voxel + block.voxel_count;
-  for (std::uint32_t i = block.first_voxel; i < end; ++i) {
+  const std::uint32_t first = block.first_voxel;
+  const std::uint32_t end = first + block.voxel_count;
+  const auto square_of = [&](std::uint32_t i) {
     const float dx = x_[i] - point.x();
     const float dy = y_[i] - point.y();
     const float dz = z_[i] - point.z();
-    const float d2 = dx * dx + dy * dy + dz * dz;
-    if (d2 < best2 || (d2 == best2 && i < best)) {
-      best2 = d2;
+    return dx * dx + dy * dy + dz * dz;
+  };
+  // The least square of the block four voxels at a time, in the same operations as one at a time: same bits.
+  std::uint32_t i = first;
+  float least2 = std::numeric_limits<float>::max();
+  if (block.voxel_count >= kLanes) {
+    Lanes least = Lanes{} + least2;
+    for (; i + kLanes <= end; i += kLanes) {
+      const Lanes dx = lanes_at(x_, i) - point.x();
+      const Lanes dy = lanes_at(y_, i) - point.y();
+      const Lanes dz = lanes_at(z_, i) - point.z();
+      const Lanes d2 = dx * dx + dy * dy + dz * dz;
+      least = d2 < least ? d2 : least;
+    }
+    for (std::uint32_t lane = 0; lane < kLanes; ++lane) least2 = std::min(least2, least[lane]);
+  }
+  for (; i < end; ++i) least2 = std::min(least2, square_of(i));
+  if (least2 > best2) return;
+  for (i = first; i < end; ++i) {
+    if (square_of(i) != least2) continue;
+    if (least2 < best2 || i < best) {
+      best2 = least2;
       best = i;
     }
+    return;
   }
 }
 
 std::optional<NearestVoxel> NearestVoxelSearch::nearest(const Eigen::Vector3d& point_m, double limit_m) const {
-  KILTER_EXPECTS(limit_m <= max_distance_m_ * (1.0 + 1e-12));
-  const double edge_m = kBlockSize * map_->resolution_m();
-  const Eigen::Vector3i home = block_of(voxel_at(point_m, map_->resolution_m()));
+  return NearestVoxelCursor(*this).nearest(point_m, limit_m);
+}
+
+bool NearestVoxelCursor::has_near(std::size_t k, double best2) {
+  const VoxelMap& map = *search_->map_;
+  while (k >= near_.size()) {
+    if (looked_at_ == search_->offsets_.size() || search_->offsets_[looked_at_].least_m2 > best2) return false;
+    const NearestVoxelSearch::BlockOffset& candidate = search_->offsets_[looked_at_++];
+    const std::int32_t number = map.find_block(*home_ + candidate.offset);
+    if (number == BlockIndex::kNone) continue;
+    const VoxelBlock& block = map.blocks()[static_cast<std::size_t>(number)];
+    if (block.voxel_count > 0) near_.push_back({candidate.offset, candidate.least_m2, &block});
+  }
+  return true;
+}
+
+std::optional<NearestVoxel> NearestVoxelCursor::nearest(const Eigen::Vector3d& point_m, double limit_m) {
+  KILTER_EXPECTS(limit_m <= search_->max_distance_m_ * (1.0 + 1e-12));
+  const VoxelMap& map = *search_->map_;
+  // Half of a pair's points lie where the other has nothing at all. A voxel's points are within it, whichever stands.
+  const double reach_m = limit_m + map.resolution_m();
+  if (map.bounds_m().squaredExteriorDistance(point_m) > reach_m * reach_m) return std::nullopt;
+  const double edge_m = kBlockSize * map.resolution_m();
+  const Eigen::Vector3i home = block_of(voxel_at(point_m, map.resolution_m()));
+  if (!home_ || *home_ != home) {
+    home_ = home;
+    near_.clear();
+    looked_at_ = 0;
+  }
   const Eigen::Vector3d u_m = point_m - home.cast<double>() * edge_m;
   const Eigen::Vector3f point = point_m.cast<float>();
   // A little slack so that rounding to float never hides a voxel at exactly the limit; checked in double below.
   float best2 = static_cast<float>(limit_m * limit_m * 1.0001 + 1e-12);
   std::uint32_t best = kNoVoxel;
-  for (const BlockOffset& candidate : offsets_) {
+  for (std::size_t k = 0; has_near(k, best2); ++k) {
+    const NearBlock& candidate = near_[k];
     if (candidate.least_m2 > best2) break;
     const Eigen::Vector3d gap_m(axis_gap_m(candidate.offset.x(), u_m.x(), edge_m),
                                 axis_gap_m(candidate.offset.y(), u_m.y(), edge_m),
                                 axis_gap_m(candidate.offset.z(), u_m.z(), edge_m));
     if (gap_m.squaredNorm() * 0.9999 > best2) continue;
-    const std::int32_t number = map_->find_block(home + candidate.offset);
-    if (number == BlockIndex::kNone) continue;
-    const VoxelBlock& block = map_->blocks()[static_cast<std::size_t>(number)];
-    if (block.voxel_count > 0) scan_block(block, point, best2, best);
+    search_->scan_block(*candidate.block, point, best2, best);
   }
   if (best == kNoVoxel) return std::nullopt;
-  const double distance_m = (voxel_position_m(*map_, best, position_) - point_m).norm();
+  const double distance_m = (voxel_position_m(map, best, search_->position_) - point_m).norm();
   if (distance_m > limit_m) return std::nullopt;
   return NearestVoxel{best, distance_m};
 }

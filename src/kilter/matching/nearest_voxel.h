@@ -41,6 +41,7 @@ class NearestVoxelSearch {
   [[nodiscard]] double max_distance_m() const { return max_distance_m_; }
 
  private:
+  friend class NearestVoxelCursor;
   struct BlockOffset {
     Eigen::Vector3i offset;
     double least_m2;  // no point of the query's block is nearer to that block
@@ -53,6 +54,32 @@ class NearestVoxelSearch {
   double max_distance_m_;
   std::vector<float> x_, y_, z_;      // positions in voxel order
   std::vector<BlockOffset> offsets_;  // sorted by least distance
+};
+
+/// The same search for many points in a row: remembers which of the blocks around the last point's block hold surfaces,
+/// so that neighbouring points, as submaps hold them, look nothing up. Same answers to the bit. One for each thread.
+class NearestVoxelCursor {
+ public:
+  /// The search must outlive it.
+  explicit NearestVoxelCursor(const NearestVoxelSearch& search) : search_(&search) {}
+
+  /// \sa NearestVoxelSearch::nearest
+  [[nodiscard]] std::optional<NearestVoxel> nearest(const Eigen::Vector3d& point_m, double limit_m);
+
+ private:
+  struct NearBlock {
+    Eigen::Vector3i offset;
+    double least_m2;
+    const VoxelBlock* block;
+  };
+
+  // Whether near_ has an entry k, looking for it among blocks that can hold something nearer than best2.
+  bool has_near(std::size_t k, double best2);
+
+  const NearestVoxelSearch* search_;
+  std::optional<Eigen::Vector3i> home_;
+  std::vector<NearBlock> near_;  // sorted by least distance; as far as was needed
+  std::size_t looked_at_ = 0;    // offsets that near_ covers
 };
 
 }  // namespace kilter

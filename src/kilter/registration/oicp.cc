@@ -32,10 +32,11 @@ std::vector<PointMatch> match_points(const NearestVoxelSearch& source, const Nea
                                      const Pose3& T_target_source, double search_m) {
   const Eigen::Isometry3d T = T_target_source.isometry();
   const double two_voxels_m = 2.0 * target.map().resolution_m();
+  NearestVoxelCursor cursor(target);
   std::vector<PointMatch> matches;
   for (std::size_t i = 0; i < source.map().voxels().size(); ++i) {
     const Eigen::Vector3d at_m = T * voxel_position_m(source.map(), i, source.position());
-    const std::optional<NearestVoxel> nearest = target.nearest(at_m, search_m);
+    const std::optional<NearestVoxel> nearest = cursor.nearest(at_m, search_m);
     if (!nearest) continue;
     const double p_source = source.map().probability(i);
     const double p_target = target.map().probability(nearest->voxel);
@@ -97,9 +98,10 @@ std::vector<PlaneResidual> axis_residuals(const std::vector<PointMatch>& matches
 
 std::size_t matched_at(const NearestVoxelSearch& source, const NearestVoxelSearch& target, const Pose3& T,
                        double search_m) {
+  NearestVoxelCursor nearest(target);
   std::size_t matched = 0;
   for (std::size_t i = 0; i < source.map().voxels().size(); ++i) {
-    if (target.nearest(T * voxel_position_m(source.map(), i, source.position()), search_m)) ++matched;
+    if (nearest.nearest(T * voxel_position_m(source.map(), i, source.position()), search_m)) ++matched;
   }
   return matched;
 }

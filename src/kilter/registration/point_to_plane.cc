@@ -64,9 +64,10 @@ void match_one_way(const NearestVoxelSearch& from, const NearestVoxelSearch& ont
   const SurfaceVoxels& planes = onto.map().voxels();
   const bool oriented = from.map().has_free_space() && onto.map().has_free_space();
   const Eigen::Isometry3d T = T_onto_from.isometry();
+  NearestVoxelCursor cursor(onto);
   for (std::size_t i = 0; i < points.size(); i += stride) {
     const Eigen::Vector3d point_m = T * points.centroids_m[i].cast<double>();
-    const std::optional<NearestVoxel> nearest = onto.nearest(point_m, search_m);
+    const std::optional<NearestVoxel> nearest = cursor.nearest(point_m, search_m);
     if (!nearest) continue;
     const Eigen::Vector3d normal = planes.normals[nearest->voxel].cast<double>();
     if (normal.isZero()) continue;
