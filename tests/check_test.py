@@ -20,7 +20,8 @@ import jsonschema
 from kilter_runner import SOURCE_DIR, kilter_binary, main, run_kilter
 from tiny_mission import TinyMission, read_result
 
-FILES = {"result.json", "pairs.csv", "gamma.csv", "theta.csv", "verified.csv", "constraints.g2o"}
+FILES = {"result.json", "pairs.csv", "gamma.csv", "theta.csv", "verified.csv", "constraints.g2o", "report.html",
+         "result.kilter", "gamma.png", "theta.png", "verified.png", "map.png", "coloured.ply"}
 SCHEMA = json.loads((SOURCE_DIR / "docs" / "result.schema.json").read_text(encoding="utf-8"))
 
 

@@ -14,6 +14,7 @@ void add_check_command(CLI::App& program, int& status);
 void add_config_command(CLI::App& program, int& status);
 void add_explain_command(CLI::App& program, int& status);
 void add_info_command(CLI::App& program, int& status);
+void add_report_command(CLI::App& program, int& status);
 void add_simulate_command(CLI::App& program, int& status);
 
 }  // namespace kilter::app

@@ -44,6 +44,13 @@ TwoWaySample sample_both_ways(const PairSearches& pair, const Pose3& T_target_so
           measure_distances(pair.target.map(), pair.source, T_target_source.inverse(), options.matching)};
 }
 
+// Absent when nothing matched.
+std::optional<DistanceHistogram> histogram_of(const TwoWaySample& sample, const CheckOptions& options) {
+  if (sample.forward.matched() == 0) return std::nullopt;
+  auto histogram = histogram_distances(sample.forward.distances_m, options.distribution);
+  return histogram ? std::optional(std::move(*histogram)) : std::nullopt;
+}
+
 PoseEvidence measure_at(const PairSearches& pair, const Pose3& T_target_source, const TwoWaySample& sample,
                         const CheckOptions& options) {
   const double resolution_m = pair.target.map().resolution_m();
@@ -141,10 +148,7 @@ PairMeasurement measure_pair(std::span<const Submap> submaps, const SubmapSearch
   evidence.map = measure_at(both, evidence.T_target_source, sample, options);
   measurement.matched = sample.forward.matched();
   measurement.overlap = sample.forward.overlap();
-  if (measurement.matched > 0) {
-    auto histogram = histogram_distances(sample.forward.distances_m, options.distribution);
-    if (histogram) measurement.histogram = std::move(*histogram);
-  }
+  measurement.histogram = histogram_of(sample, options);
   evidence.overlaps = sample.passes_gate(options.matching);
   if (!evidence.overlaps) {
     measurement.listed = always_listed;
@@ -157,7 +161,9 @@ PairMeasurement measure_pair(std::span<const Submap> submaps, const SubmapSearch
   evidence.registration = align_submaps(by[s], by[t], evidence.T_target_source, options.registration, prior);
   if (!evidence.registration->converged()) return measurement;
   const Pose3& T_registered = evidence.registration->T_target_source;
-  evidence.registered = measure_at(both, T_registered, sample_both_ways(both, T_registered, options), options);
+  const TwoWaySample registered = sample_both_ways(both, T_registered, options);
+  evidence.registered = measure_at(both, T_registered, registered, options);
+  measurement.registered_histogram = histogram_of(registered, options);
   if (oicp && evidence.registered->score) measurement.theta_oicp_per_m3 = evidence.registered->score->gamma_per_m3;
   return measurement;
 }
@@ -177,6 +183,7 @@ PairResult pair_result(const PairMeasurement& measurement, const PairVerdict& ve
   result.T_target_source = evidence.T_target_source;
   if (evidence.registered) {
     result.registered_score = evidence.registered->score;
+    result.registered_histogram = measurement.registered_histogram;
     result.T_target_source_registered = evidence.registration->T_target_source;
     result.covariance = evidence.registration->covariance;
     result.trusted = verdict.verdict != Verdict::kUnverified;

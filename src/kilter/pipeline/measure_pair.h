@@ -36,6 +36,7 @@ struct PairMeasurement {
   std::size_t matched = 0;  ///< source voxels matched at the map's pose
   double overlap = 0.0;     ///< of the source voxels inside the target's box, the fraction matched there
   std::optional<DistanceHistogram> histogram;  ///< at the map's pose
+  std::optional<DistanceHistogram> registered_histogram;
   std::optional<double> theta_oicp_per_m3;
 };
 
