@@ -174,6 +174,7 @@ PairPicture read_pair(Section& in, const Picture& picture) {
   const std::size_t of_target = read_sample_count(in, picture, pair.id.target, pair.stride);
   const unsigned flags = in.word<std::uint8_t>();
   if (flags > (format::kHasAfter | format::kHasHistogram | format::kHasParent)) in.refuse("an unknown flag");
+  if ((flags & format::kHasAfter) && of_source + of_target == 0) in.refuse("registered samples where there are none");
   if (flags & format::kHasHistogram) pair.registered_histogram = read_histogram(in);
   if (flags & format::kHasParent) {
     pair.registered_parent.emplace();
