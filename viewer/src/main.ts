@@ -8,6 +8,7 @@ import { MapView } from "./map_view.js";
 import { Matrices } from "./matrices.js";
 import { PairView } from "./pair_view.js";
 import { showPlaces, worstPlaces } from "./places.js";
+import { forgetTheme } from "./scene.js";
 import { State } from "./state.js";
 import { Table } from "./table.js";
 import { showVerdict } from "./verdict.js";
@@ -49,6 +50,7 @@ function dark(): boolean {
 function switchTheme(state: State, theme: "dark" | "light" | ""): void {
   if (theme === "") delete document.documentElement.dataset["theme"];
   else document.documentElement.dataset["theme"] = theme;
+  forgetTheme();
   state.themeChanged();
 }
 
@@ -95,7 +97,10 @@ async function main(): Promise<void> {
   state.select(state.selected);
   byId("places").querySelector(`.place[data-pair="${state.selected}"]`)?.classList.add("selected");
 
-  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => state.themeChanged());
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
+    forgetTheme();
+    state.themeChanged();
+  });
   window.addEventListener("hashchange", () => {
     const named = state.pairOfFragment(location.hash);
     if (named >= 0) state.select(named);

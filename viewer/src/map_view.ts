@@ -6,7 +6,7 @@ import type { Archive, Verdict } from "./archive.js";
 import { css, misalignmentColour, robotColour, scaleColour, verdictColour } from "./colours.js";
 import { byId, choice, element, hideTip, showTip } from "./dom.js";
 import type { Place } from "./places.js";
-import { CloudPoints, halo, Pane, themed } from "./scene.js";
+import { CloudPoints, halo, Pane, themed, ThinLines } from "./scene.js";
 import type { State } from "./state.js";
 import { pairTip } from "./tips.js";
 import { rotation, translation } from "./words.js";
@@ -31,6 +31,7 @@ export class MapView {
   private readonly bytes: Uint8Array; // misalignment of each point
   private readonly edges: Edge[];
   private readonly paths: Vector3[][];
+  private readonly thin: ThinLines;
   private readonly shown: Record<Verdict, boolean> = { inconsistent: true, unverified: true, consistent: true };
   private readonly legend = element("span", { class: "legend" });
   readonly chooseColours: (value: Colouring) => void;
@@ -60,6 +61,9 @@ export class MapView {
       return points;
     });
     this.pane.paint = (context, width, height) => this.paint(context, width, height);
+    this.thin = this.thinLines();
+    this.pane.scene.add(this.thin.lines);
+    this.pane.prepare = (settled) => (this.thin.lines.visible = !settled);
     const colours = choice<Colouring>(
       "colour points by",
       [
@@ -90,6 +94,7 @@ export class MapView {
           on: {
             change: (event) => {
               this.shown[verdict] = (event.target as HTMLInputElement).checked;
+              this.thin.show((line) => line >= this.edges.length || this.visible(this.edges[line]!));
               this.pane.render();
             },
           },
@@ -148,6 +153,23 @@ export class MapView {
         }
       });
     }
+  }
+
+  /** The pairs' lines, then the robots' ways. */
+  private thinLines(): ThinLines {
+    const ends: number[] = [];
+    const colours: (readonly [number, number, number])[] = [];
+    for (const edge of this.edges) {
+      ends.push(...edge.from.toArray(), ...edge.to.toArray());
+      colours.push(verdictColour(this.state.pairs[edge.pair]!.verdict));
+    }
+    this.paths.forEach((path, robot) => {
+      for (let i = 1; i < path.length; i++) {
+        ends.push(...path[i - 1]!.toArray(), ...path[i]!.toArray());
+        colours.push(robotColour(robot));
+      }
+    });
+    return new ThinLines(Float32Array.from(ends), (line) => colours[line]!);
   }
 
   private colour(by: Colouring): void {
@@ -301,6 +323,22 @@ export class MapView {
   private paint(context: CanvasRenderingContext2D, width: number, height: number): void {
     const ink = themed("--ink");
     const paper = themed("--canvas");
+    if (this.pane.settled) this.paintLines(context, width, height, paper);
+    for (const [pair, wide] of [[this.state.hovered, 4], [this.state.selected, 5]] as const) {
+      if (pair < 0) continue;
+      context.strokeStyle = paper;
+      context.lineWidth = wide + 4;
+      this.line(context, this.edges[pair]!, width, height);
+      context.strokeStyle = css(verdictColour(this.state.pairs[pair]!.verdict));
+      context.lineWidth = wide;
+      this.line(context, this.edges[pair]!, width, height);
+    }
+    if (this.pane.settled) this.paintNames(context, width, height, ink, paper);
+    this.paintPins(context, width, height, paper);
+    this.pane.scaleBar(context, width, height, ink);
+  }
+
+  private paintLines(context: CanvasRenderingContext2D, width: number, height: number, paper: string): void {
     const project = (point: Vector3) => this.pane.project(point, width, height);
     this.paths.forEach((path, robot) => {
       context.beginPath();
@@ -325,24 +363,11 @@ export class MapView {
       context.lineWidth = verdict === "inconsistent" ? 1.8 : 1.1;
       context.setLineDash(verdict === "unverified" ? [3, 4] : []);
       for (const edge of this.edges) {
-        if (this.state.pairs[edge.pair]!.verdict !== verdict || !this.shown[verdict]) continue;
-        this.line(context, edge, width, height);
+        if (this.state.pairs[edge.pair]!.verdict === verdict && this.shown[verdict]) this.line(context, edge, width, height);
       }
     }
     context.globalAlpha = 1;
     context.setLineDash([]);
-    for (const [pair, wide] of [[this.state.hovered, 4], [this.state.selected, 5]] as const) {
-      if (pair < 0) continue;
-      context.strokeStyle = paper;
-      context.lineWidth = wide + 4;
-      this.line(context, this.edges[pair]!, width, height);
-      context.strokeStyle = css(verdictColour(this.state.pairs[pair]!.verdict));
-      context.lineWidth = wide;
-      this.line(context, this.edges[pair]!, width, height);
-    }
-    this.paintNames(context, width, height, ink, paper);
-    this.paintPins(context, width, height, paper);
-    this.pane.scaleBar(context, width, height, ink);
   }
 
   private line(context: CanvasRenderingContext2D, edge: Edge, width: number, height: number): void {

@@ -5,7 +5,7 @@ import { Matrix4, Quaternion, Vector3 } from "three";
 import { kNothing, kSteps, kThrough, type Cloud, type Pair, type PairPicture, type Samples } from "./archive.js";
 import { belowColour, css, scaleColour, sourceColour, targetColour, verdictColour } from "./colours.js";
 import { byId, choice, element } from "./dom.js";
-import { CloudPoints, halo, Pane, themed } from "./scene.js";
+import { CloudPoints, evenOrder, halo, Pane, themed } from "./scene.js";
 import { shortened } from "./map_view.js";
 import type { State } from "./state.js";
 import { rotation, translation } from "./words.js";
@@ -146,18 +146,24 @@ export class PairView {
   }
 
   private side(cloud: Cloud, stride: number, samples: Samples, world: Quaternion): Side {
-    const heights = new Float32Array(cloud.points.length / 3);
     const p = new Vector3();
-    for (let i = 0; i < heights.length; i++) heights[i] = p.fromArray(cloud.points, 3 * i).applyQuaternion(world).z;
-    const count = samples.before.length;
-    const positions = new Float32Array(3 * count);
-    const sampledHeights = new Float32Array(count);
-    for (let k = 0; k < count; k++) {
-      for (let axis = 0; axis < 3; axis++) positions[3 * k + axis] = cloud.points[3 * k * stride + axis]!;
-      sampledHeights[k] = heights[k * stride]!;
-    }
-    const side = { cloud: new CloudPoints(cloud.points, heights), sampled: new CloudPoints(positions, sampledHeights), samples };
-    for (const points of [side.cloud, side.sampled]) this.pane.scene.add(points.points);
+    const points = (order: Uint32Array, every: number): CloudPoints => {
+      const positions = new Float32Array(3 * order.length);
+      const heights = new Float32Array(order.length);
+      order.forEach((from, to) => {
+        p.fromArray(cloud.points, 3 * from * every).toArray(positions, 3 * to);
+        heights[to] = p.applyQuaternion(world).z;
+      });
+      return new CloudPoints(positions, heights);
+    };
+    const order = evenOrder(samples.before.length);
+    const ordered = (bytes: Uint8Array) => (bytes.length === 0 ? bytes : Uint8Array.from(order, (from) => bytes[from]!));
+    const side = {
+      cloud: points(evenOrder(cloud.points.length / 3), 1),
+      sampled: points(order, stride),
+      samples: { before: ordered(samples.before), after: ordered(samples.after) },
+    };
+    for (const shown of [side.cloud, side.sampled]) this.pane.scene.add(shown.points);
     return side;
   }
 
@@ -315,7 +321,6 @@ export class PairView {
     const archive = this.state.archive;
     context.font = "bold 12px system-ui, sans-serif";
     context.textAlign = "center";
-    context.textBaseline = "bottom";
     const world = this.worldTarget();
     const nodes: [number, Vector3, string][] = [
       [picture.target, new Vector3().applyMatrix4(world), css(targetColour)],
@@ -330,7 +335,9 @@ export class PairView {
       context.arc(where.x, where.y, 6, 0, 7);
       context.fill();
       context.stroke();
-      halo(context, `start of ${shortened(archive.result.submaps[submap]!.id)}`, where.x, where.y - 8, ink, paper);
+      const above = submap === picture.target; // two names at one place must not cover each other
+      context.textBaseline = above ? "bottom" : "top";
+      halo(context, `start of ${shortened(archive.result.submaps[submap]!.id)}`, where.x, where.y + (above ? -8 : 8), ink, paper);
     }
     this.pane.scaleBar(context, width, height, ink);
   }

@@ -6,6 +6,7 @@ import {
   BufferGeometry,
   Color,
   GLSL3,
+  LineSegments,
   Matrix4,
   MOUSE,
   OrthographicCamera,
@@ -44,6 +45,42 @@ in vec3 colour;
 out vec4 result;
 void main() { result = vec4(colour, 1.0); }`;
 
+function material(): RawShaderMaterial {
+  return new RawShaderMaterial({
+    vertexShader,
+    fragmentShader,
+    glslVersion: GLSL3,
+    uniforms: { size: { value: 2 }, slice: { value: [-1e9, 1e9] } },
+  });
+}
+
+/** Thin lines for while the view moves: the overlay draws them better, but takes longer. */
+export class ThinLines {
+  readonly lines: LineSegments<BufferGeometry, RawShaderMaterial>;
+  private readonly heights: BufferAttribute;
+
+  /** ends: six numbers for each line. */
+  constructor(ends: Float32Array, colour: (line: number) => readonly [number, number, number]) {
+    const geometry = new BufferGeometry();
+    const tint = new Uint8Array(ends.length);
+    for (let vertex = 0; vertex < ends.length / 3; vertex++) tint.set(colour(vertex >> 1), 3 * vertex);
+    this.heights = new BufferAttribute(new Float32Array(ends.length / 3), 1);
+    geometry.setAttribute("position", new BufferAttribute(ends, 3));
+    geometry.setAttribute("tint", new BufferAttribute(tint, 3, true));
+    geometry.setAttribute("height", this.heights);
+    this.lines = new LineSegments(geometry, material());
+    this.lines.material.depthTest = false;
+    this.lines.renderOrder = 1;
+    this.lines.frustumCulled = false;
+  }
+
+  show(visible: (line: number) => boolean): void {
+    const heights = this.heights.array as Float32Array;
+    for (let vertex = 0; vertex < heights.length; vertex++) heights[vertex] = visible(vertex >> 1) ? 0 : 2e9;
+    this.heights.needsUpdate = true;
+  }
+}
+
 export class CloudPoints {
   readonly points: Points<BufferGeometry, RawShaderMaterial>;
   private readonly tint: BufferAttribute;
@@ -58,13 +95,7 @@ export class CloudPoints {
     geometry.setAttribute("position", new BufferAttribute(positions, 3));
     geometry.setAttribute("tint", this.tint);
     geometry.setAttribute("height", new BufferAttribute(heights, 1));
-    const material = new RawShaderMaterial({
-      vertexShader,
-      fragmentShader,
-      glslVersion: GLSL3,
-      uniforms: { size: { value: 2 }, slice: { value: [-1e9, 1e9] } },
-    });
-    this.points = new Points(geometry, material);
+    this.points = new Points(geometry, material());
     this.points.frustumCulled = false;
     this.points.matrixAutoUpdate = false;
   }
@@ -104,8 +135,12 @@ export class CloudPoints {
 
 export type Painter = (context: CanvasRenderingContext2D, width: number, height: number) => void;
 
-/** How many points are drawn while the view moves. */
-const kMoving = 150_000;
+/** Points drawn while the view moves: as many as leave time for a fluent picture, between these. */
+const kFewest = 15_000;
+const kMost = 400_000;
+/** Milliseconds between two frames that are too many, and so few that more could be drawn. */
+const kSlow = 45;
+const kFast = 25;
 
 export class Pane {
   readonly scene = new Scene();
@@ -114,12 +149,18 @@ export class Pane {
   readonly overlay: HTMLCanvasElement;
   readonly controls: OrbitControls;
   paint: Painter = () => undefined;
+  /** Told before each picture whether the view rests. */
+  prepare: (settled: boolean) => void = () => undefined;
   clouds: CloudPoints[] = [];
   frames = 0;
+  /** False while the view moves: then less is drawn. */
+  settled = true;
   private readonly renderer: WebGLRenderer | null = null;
   private readonly pixelRatio = Math.min(window.devicePixelRatio || 1, 2);
   private asked = false;
-  private moving = 0;
+  private rest = 0;
+  private lastFrame = 0;
+  private affordable = 60_000;
   private halfHeight = 10;
 
   constructor(label: string, dragPans: boolean) {
@@ -141,7 +182,8 @@ export class Pane {
       : { LEFT: MOUSE.ROTATE, MIDDLE: MOUSE.DOLLY, RIGHT: MOUSE.PAN };
     this.controls.touches = { ONE: dragPans ? TOUCH.PAN : TOUCH.ROTATE, TWO: TOUCH.DOLLY_ROTATE };
     this.controls.addEventListener("change", () => {
-      this.moving = performance.now();
+      this.settled = false;
+      clearTimeout(this.rest);
       this.render();
     });
     new ResizeObserver(() => this.render()).observe(this.root);
@@ -192,10 +234,15 @@ export class Pane {
     this.camera.bottom = -half;
     this.camera.updateProjectionMatrix();
     this.camera.updateMatrixWorld();
-    const settled = performance.now() - this.moving > 120;
+    const now = performance.now();
     const total = this.clouds.reduce((sum, cloud) => sum + cloud.count, 0);
-    const share = settled || total <= kMoving ? 1 : kMoving / total;
+    const between = now - this.lastFrame;
+    this.lastFrame = now;
+    if (!this.settled && between > kSlow && between < 1000) this.affordable = Math.max(kFewest, this.affordable * 0.7);
+    if (!this.settled && between < kFast) this.affordable = Math.min(kMost, this.affordable * 1.15);
+    const share = this.settled ? 1 : Math.min(1, this.affordable / Math.max(1, total));
     for (const cloud of this.clouds) cloud.show(Math.ceil(cloud.count * share));
+    this.prepare(this.settled);
     if (this.renderer) {
       const size = this.renderer.getSize(new Vector2());
       if (size.x !== width || size.y !== height) this.renderer.setSize(width, height, false);
@@ -204,7 +251,14 @@ export class Pane {
     const surface = fitted(this.overlay);
     this.paint(surface.context, surface.width, surface.height);
     this.frames++;
-    if (!settled) setTimeout(() => this.render(), 140);
+    // Only once a coarse picture is out and nothing has moved since: else slow pictures would all be drawn in full.
+    clearTimeout(this.rest);
+    if (!this.settled) {
+      this.rest = window.setTimeout(() => {
+        this.settled = true;
+        this.render();
+      }, 200);
+    }
   }
 
   /** A bar of a round length, lower left. */
@@ -241,6 +295,26 @@ export function halo(context: CanvasRenderingContext2D, text: string, x: number,
   context.fillText(text, x, y);
 }
 
+const remembered = new Map<string, string>();
+
+/** A colour of the style sheet; asked for often, so it is remembered until the theme changes. */
 export function themed(name: string): string {
-  return getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+  let value = remembered.get(name);
+  if (value === undefined) {
+    value = getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+    remembered.set(name, value);
+  }
+  return value;
+}
+
+export function forgetTheme(): void {
+  remembered.clear();
+}
+
+/** An order of things whose every beginning is an even thinning of them: each 16th, then the next of each 16, ... */
+export function evenOrder(count: number): Uint32Array {
+  const order = new Uint32Array(count);
+  let to = 0;
+  for (let phase = 0; phase < 16; phase++) for (let i = phase; i < count; i += 16) order[to++] = i;
+  return order;
 }
