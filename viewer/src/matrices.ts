@@ -203,7 +203,7 @@ class Matrix {
     context.font = "11px system-ui, sans-serif";
     context.textBaseline = "bottom";
     context.textAlign = "left";
-    const power = (value: number) => (10 ** value).toPrecision(2).replace(/\.0+$/, "").replace(/e\+?/, "e");
+    const power = (value: number) => String(Number((10 ** value).toPrecision(2)));
     context.fillText(power(this.range[0]), x, y - 1);
     context.textAlign = "right";
     context.fillText(power(this.range[1]), x + long, y - 1);

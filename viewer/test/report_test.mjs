@@ -285,6 +285,7 @@ await test("dark, small and printed it still fits", { dark: true, width: 800, he
   await page.waitForTimeout(300);
   await page.screenshot({ path: join(folder, "wide-dark-whole.png"), fullPage: true });
   await page.setViewportSize({ width: 390, height: 800 });
+  await page.waitForTimeout(500);
   assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth));
   await page.emulateMedia({ media: "print" });
   assert.ok(!(await page.locator(".slider").isVisible()));
