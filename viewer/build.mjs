@@ -41,12 +41,13 @@ const policy = [
 
 const notices = ["three", "uplot"].map((name) => {
   const about = JSON.parse(readFileSync(join(here, "node_modules", name, "package.json"), "utf8"));
-  return `${name} ${about.version}, MIT licence`;
+  const licence = readFileSync(join(here, "node_modules", name, "LICENSE"), "utf8").trim().replaceAll("--", "- -");
+  return `${name} ${about.version}:\n${licence}`;
 });
 // A function as replacement: the text may hold "$&".
 const page = readFileSync(join(here, "src/page.html"), "utf8")
   .replace("@POLICY@", () => policy)
-  .replace("@NOTICES@", () => notices.join("; "))
+  .replace("@NOTICES@", () => notices.join("\n\n"))
   .replace("@STYLE@", () => style)
   .replace("@SCRIPT@", () => script);
 writeFileSync(pageFile, page);

@@ -54,6 +54,21 @@ function switchTheme(state: State, theme: "dark" | "light" | ""): void {
   state.themeChanged();
 }
 
+/** Paper has another width than the screen, and canvases do not follow: copies of what they show do. */
+function copyForPrint(): void {
+  for (const holder of document.querySelectorAll(".pane, figure")) {
+    const layers = [...holder.querySelectorAll("canvas")];
+    if (layers.length === 0) continue;
+    const copy = element("canvas", { class: "printed" });
+    copy.width = layers[0]!.width;
+    copy.height = layers[0]!.height;
+    const context = copy.getContext("2d")!;
+    for (const layer of layers) context.drawImage(layer, 0, 0, copy.width, copy.height);
+    holder.after(copy);
+    if (holder.tagName === "FIGURE") holder.append(copy);
+  }
+}
+
 function foot(state: State, dialog: HTMLDialogElement): void {
   const archive = state.archive;
   const all = archive.clouds.reduce((sum, cloud) => sum + cloud.voxels, 0);
@@ -112,8 +127,12 @@ async function main(): Promise<void> {
     map.pane.draw();
     pair.pane.draw();
     matrices.all.forEach((matrix) => matrix.draw());
+    copyForPrint();
   });
-  window.addEventListener("afterprint", () => switchTheme(state, (before ?? "") as "dark" | "light" | ""));
+  window.addEventListener("afterprint", () => {
+    for (const copy of document.querySelectorAll(".printed")) copy.remove();
+    switchTheme(state, (before ?? "") as "dark" | "light" | "");
+  });
   window.addEventListener("keydown", (event) => {
     const target = event.target as HTMLElement;
     if (event.ctrlKey || event.metaKey || event.altKey || target.matches("input:not([type=range]):not([type=checkbox]), select")) return;

@@ -289,8 +289,10 @@ await test("dark, small and printed it still fits", { dark: true, width: 800, he
   assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth));
   await page.emulateMedia({ media: "print" });
   assert.ok(!(await page.locator(".slider").isVisible()));
-  await page.emulateMedia({ media: "screen" });
-  await page.pdf({ path: join(folder, "printed.pdf"), format: "A4", landscape: true, printBackground: true });
+  await page.emulateMedia({ media: null });
+  await page.setViewportSize({ width: 1440, height: 900 });
+  await page.waitForTimeout(500);
+  await page.pdf({ path: join(folder, "printed.pdf"), format: "A4", printBackground: true });
 });
 
 await test("hostile names are only names", { file: hostile }, async (page) => {
