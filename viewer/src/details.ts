@@ -88,7 +88,7 @@ function facts(state: State): HTMLElement {
     ["Gap between double walls", centimetres(pair.gap_m)],
     ["Smallest offset seen here", centimetres(pair.minimum_detectable_m)],
     ["Directions left open", pair.unobservable === null ? "unknown" : pair.unobservable.length === 0 ? "none" : `${pair.unobservable.length}, drawn as a dashed axis`],
-    ["Being apart", probability(pair.p_inconsistent)],
+    ["Judgement", probability(pair.p_inconsistent)],
     ["Overlap", `${Math.round(100 * pair.overlap)} % of the voxels, ${pair.matched} matched`],
     ["Γ, Θ, Γᵛ", `${large(pair.gamma)}, ${large(pair.theta)}, ${large(pair.verified)}`],
   ];

@@ -351,6 +351,7 @@ export class PairView {
     const { pair, picture } = this;
     const q = rotation(this.state.archive.result.submaps[picture!.target]!.T_world_submap);
     const reach = 0.35 * Math.min(width, height) * this.pane.metresPerPixel(height);
+    let line = 0;
     for (const twist of pair!.unobservable ?? []) {
       const slide = new Vector3(twist[0], twist[1], twist[2]);
       const turn = new Vector3(twist[3], twist[4], twist[5]);
@@ -376,7 +377,17 @@ export class PairView {
       context.textAlign = "center";
       context.textBaseline = "bottom";
       const text = slides ? "nothing here fixes this direction" : "nothing here fixes turning about this axis";
-      halo(context, text, (a.x + b.x) / 2, Math.max(16, Math.min(a.y, b.y) - 4), ink, paper);
+      if (Math.hypot(a.x - b.x, a.y - b.y) < 24) {
+        // Seen end on.
+        context.strokeStyle = ink;
+        context.beginPath();
+        context.arc(a.x, a.y, 9, 0, 7);
+        context.stroke();
+      }
+      const end = a.y < b.y ? a : b;
+      const half = context.measureText(text).width / 2 + 6;
+      const x = Math.min(width - half, Math.max(half, end.x));
+      halo(context, text, x, Math.max(18, end.y - 12) + 16 * line++, ink, paper);
     }
   }
 }

@@ -15,6 +15,7 @@ export interface Place {
 /** How near the centres of two pairs are for one place. [m] */
 const kNear = 8;
 const kShown = 12;
+const kOthers = 5;
 
 export function worstPlaces(archive: Archive): Place[] {
   const pairs = archive.result.pairs;
@@ -37,7 +38,7 @@ export function worstPlaces(archive: Archive): Place[] {
   return places;
 }
 
-function card(state: State, place: Place, rank: number): HTMLElement {
+function card(state: State, place: Place, sign: string): HTMLElement {
   const pair = state.pairs[place.pair]!;
   const more = place.pairs.length - 1;
   const offset = [centimetres(pair.offset_m), degrees(pair)].filter((text) => text !== "").join(", ");
@@ -46,15 +47,15 @@ function card(state: State, place: Place, rank: number): HTMLElement {
     "button",
     {
       type: "button",
-      class: "place",
+      class: `place ${pair.verdict}`,
       data: { pair: String(place.pair) },
       on: { click: () => state.select(place.pair) },
     },
-    element("span", { class: "rank" }, String(rank)),
+    element("span", { class: `rank ${pair.verdict}` }, sign),
     element(
       "span",
       { class: "what" },
-      element("b", {}, `${offset} apart`),
+      element("b", {}, pair.offset_m === null ? "offset unknown" : `${offset} apart`),
       ` ${pair.target} and ${pair.source}`,
       element("small", {}, `${kindInWords[pair.kind]}; ${probability(pair.p_inconsistent)}`),
       moves === "" ? null : element("small", { class: "more" }, `${pair.source} would fit if moved ${moves}`),
@@ -64,16 +65,32 @@ function card(state: State, place: Place, rank: number): HTMLElement {
   );
 }
 
+/** Where nothing is wrong: what could not be decided, and the largest of what is small enough. */
+function others(state: State): HTMLElement[] {
+  const sections: HTMLElement[] = [];
+  const add = (title: string, verdict: string, sign: string) => {
+    const numbers = state.pairs.map((_, n) => n).filter((n) => state.pairs[n]!.verdict === verdict);
+    numbers.sort((a, b) => (state.pairs[b]!.offset_m ?? -1) - (state.pairs[a]!.offset_m ?? -1) || a - b);
+    if (numbers.length === 0) return;
+    sections.push(element("h3", {}, numbers.length > kOthers ? `${title} (${kOthers} of ${numbers.length})` : title));
+    for (const n of numbers.slice(0, kOthers)) sections.push(card(state, { pair: n, pairs: [n] }, sign));
+  };
+  add("Not decided", "unverified", "?");
+  add("Largest offsets that you can live with", "consistent", "✓");
+  return sections;
+}
+
 export function showPlaces(state: State, places: Place[]): void {
   const root = byId("places");
   const undecided = state.pairs.filter((pair) => pair.verdict === "unverified").length;
   const title =
     places.length === 0 ? "No place is known to be wrong" : places.length === 1 ? "The one wrong place" : "Worst places first";
-  const list = element("div", { class: "list" }, ...places.slice(0, kShown).map((place, i) => card(state, place, i + 1)));
+  const list = element("div", { class: "list" }, ...places.slice(0, kShown).map((place, i) => card(state, place, String(i + 1))));
   if (places.length > kShown) {
     list.append(element("p", { class: "quiet" }, `${places.length - kShown} smaller ones are in the table below.`));
   }
-  if (undecided > 0) {
+  if (places.length === 0) list.append(...others(state));
+  else if (undecided > 0) {
     list.append(
       element("p", { class: "quiet" }, `${undecided} pair${undecided === 1 ? " was" : "s were"} not decided; the table says why.`),
     );

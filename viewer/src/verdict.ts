@@ -55,6 +55,8 @@ function counts(result: Result): HTMLElement {
   return element("table", { class: "counts" }, head, ...rows);
 }
 
+const sentence = (text: string): string => text.charAt(0).toUpperCase() + text.slice(1);
+
 export function showVerdict(result: Result): void {
   const [sign, word, meaning] = kHeadline[result.system.verdict];
   const tolerance = Number(result.config["tolerance"]);
@@ -66,7 +68,7 @@ export function showVerdict(result: Result): void {
     element(
       "div",
       { class: "why" },
-      element("p", {}, element("b", {}, `${result.system.reason}.`), ` What you can live with: ${centimetres(tolerance)}.`),
+      element("p", {}, element("b", {}, `${sentence(result.system.reason)}.`), ` What you can live with: ${centimetres(tolerance)}.`),
       element("p", {}, certificate(result)),
       element("p", { class: "quiet" }, `${decided(result)} Robots: ${robots.join(", ")}.${left > 0 ? ` ${left} more pairs overlap too little to be tested.` : ""}`),
     ),

@@ -23,9 +23,9 @@ export function degrees(pair: Pair): string {
 
 export function probability(p: number | null): string {
   if (p === null) return "no probability";
-  if (p > 0.995) return "practically certain";
-  if (p < 0.005) return "practically ruled out";
-  return `probability ${p.toFixed(2)}`;
+  if (p > 0.995) return "practically certain to be too far apart";
+  if (p < 0.005) return "practically certain not to be too far apart";
+  return `too far apart with probability ${p.toFixed(2)}`;
 }
 
 export function shortProbability(p: number | null): string {
@@ -97,12 +97,24 @@ export const kindInWords = {
   global: "two robots at the same place",
 } as const;
 
+/** What would decide a pair that is not decided. */
+function undecided(pair: Pair): string {
+  const says = (words: string) => pair.reason.includes(words);
+  if (says("too little overlap")) return "Not decided: the two saw too little in common. Another pass through here would settle it.";
+  if (says("direction that nothing")) {
+    return "Not decided: along the dashed axis the two could be apart and nobody would see it. A pass that sees something across it would settle it.";
+  }
+  if (says("registration failed")) return "Not decided: the two could not be brought together. Look at both clouds here: they may be of different places, or far apart.";
+  if (says("conflicts")) return "Not decided: even once registered the two contradict each other. Something moved here, or they are of different places.";
+  return "Not decided: look at both clouds and judge.";
+}
+
 /** What to do about a pair, in plain words. */
 export function action(archive: Archive, number: number): string {
   const pair = archive.result.pairs[number]!;
   const target = archive.result.submaps[archive.pairs[number]!.target]!;
   const source = archive.result.submaps[archive.pairs[number]!.source]!;
-  if (pair.verdict === "unverified") return `Not decided: ${pair.reason}.`;
+  if (pair.verdict === "unverified") return undecided(pair);
   if (pair.verdict === "consistent") return "Nothing to mend here at the tolerance asked for.";
   const both = `${scans(target)} and ${scans(source)}`;
   switch (pair.kind) {
