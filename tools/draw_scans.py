@@ -5,15 +5,16 @@
 
     draw_scans.py MISSION [--poses DIR] [--robot a] [--scan 20] [-o PREFIX]
 
-MISSION holds one folder per robot (scans/*.bin or *.pcd with float fields, poses.tum). Writes PREFIX-top.png and
-PREFIX-range.png, and prints a table: share of points and density per ring of range, and the noise of flat patches
-(deviation of the points of a 0.4 m cell from their plane, where they are flat).
+MISSION holds one folder per robot (scans/*.bin or *.pcd, poses.tum). Writes PREFIX-top.png and PREFIX-range.png, and
+prints a table: share and count of points per ring of range, how far apart neighbours are there, and the noise of flat
+patches (deviation of the points of a 0.4 m cell from their plane, where they are flat). Needs numpy, scipy, matplotlib.
 """
 import argparse
 import pathlib
 
 import matplotlib
 import numpy as np
+from scipy.spatial import cKDTree
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402  (after the backend is chosen)
@@ -22,17 +23,30 @@ RINGS_M = [0, 2, 4, 6, 8, 10, 15, 20, 30, 50, 100]
 COLOURS = ["tab:blue", "tab:red", "tab:green", "tab:orange", "tab:purple"]
 
 
+PCD_KINDS = {"F": "f", "I": "i", "U": "u"}
+
+
+def read_pcd(data):
+    """Points of a PCD, ascii or binary, as an (n, 3) array."""
+    head, mark, body = data.partition(b"\nDATA ")
+    form, _, body = body.partition(b"\n")
+    header = {words[0]: words[1:] for words in map(str.split, (head + mark).decode("ascii", "replace").splitlines()) if words}
+    fields = header["FIELDS"]
+    if form.strip() == b"ascii":
+        rows = np.loadtxt(body.decode("ascii").splitlines(), ndmin=2)
+        points = rows[:, [fields.index(axis) for axis in "xyz"]]
+    else:
+        kinds = [f"<{PCD_KINDS[kind]}{size}" for kind, size in zip(header["TYPE"], header["SIZE"])]
+        rows = np.frombuffer(body, np.dtype(list(zip(fields, kinds))), count=int(header["POINTS"][0]))
+        points = np.stack([rows[axis].astype(float) for axis in "xyz"], axis=1)
+    return points
+
+
 def read_points(path):
-    """Points of a KITTI .bin or a binary PCD whose fields are 4-byte numbers, as an (n, 3) array."""
+    """Points of a KITTI .bin, or of a PCD with one number a field, as an (n, 3) array."""
     data = path.read_bytes()
-    if path.suffix == ".bin":
-        return np.frombuffer(data, "<f4").reshape(-1, 4)[:, :3].astype(float)
-    header, _, body = data.partition(b"DATA binary\n")
-    fields = next(line for line in header.decode("ascii", "replace").splitlines() if line.startswith("FIELDS")).split()[1:]
-    rows = np.frombuffer(body, "<f4")
-    rows = rows[: len(rows) // len(fields) * len(fields)].reshape(-1, len(fields))
-    points = rows[:, [fields.index(axis) for axis in "xyz"]].astype(float)
-    return points[np.isfinite(points).all(axis=1)]
+    points = np.frombuffer(data, "<f4").reshape(-1, 4)[:, :3].astype(float) if path.suffix == ".bin" else read_pcd(data)
+    return points[np.isfinite(points).all(axis=1) & (points != 0.0).any(axis=1)]
 
 
 def read_poses(path):
@@ -78,7 +92,8 @@ def draw_range(points, out):
     azimuth = np.degrees(np.arctan2(points[:, 1], points[:, 0]))
     elevation = np.degrees(np.arcsin(points[:, 2] / np.maximum(distance, 1e-9)))
     figure, axes = plt.subplots(figsize=(14, 4))
-    dots = axes.scatter(-azimuth, elevation, s=1.5, c=np.log10(distance), cmap="turbo", linewidths=0)
+    dots = axes.scatter(-azimuth, elevation, s=1.5, c=np.log10(np.maximum(distance, 1e-9)), cmap="turbo",
+                        vmin=0.0, vmax=np.log10(50.0), linewidths=0)
     bar = figure.colorbar(dots, ticks=np.log10([1, 2, 5, 10, 20, 50]))
     bar.ax.set_yticklabels(["1 m", "2", "5", "10", "20", "50"])
     axes.set_xlabel("azimuth, clockwise [deg]")
@@ -108,12 +123,15 @@ def flat_noise(points):
 def print_table(clouds):
     """Mean over clouds: points per scan, and per ring of range its share and density on its sphere."""
     print(f"points per scan {np.mean([len(c) for c in clouds]):.0f}")
-    print("range [m]    share   points per square degree seen")
+    print("range [m]    share   points per scan   nearest neighbour [mm]")
     distances = [np.linalg.norm(c, axis=1) for c in clouds]
+    spacings = [cKDTree(c).query(c, k=2)[0][:, 1] for c in clouds]
     total = sum(len(d) for d in distances)
     for low, high in zip(RINGS_M, RINGS_M[1:]):
         count = sum(int(((d >= low) & (d < high)).sum()) for d in distances)
-        print(f"{low:4d}-{high:<4d}   {count / total:7.3f}   {count / len(clouds):9.0f}")
+        spacing = np.concatenate([s[(d >= low) & (d < high)] for s, d in zip(spacings, distances)])
+        apart = f"{1000 * np.median(spacing):.0f}" if len(spacing) else "-"
+        print(f"{low:4d}-{high:<4d}   {count / total:7.3f}   {count / len(clouds):15.0f}   {apart:>22}")
     noise = [flat_noise(c) for c in clouds]
     print(f"noise on flat patches {1000 * np.nanmedian([n for n, _ in noise]):.1f} mm"
           f" ({np.mean([c for _, c in noise]):.0f} patches a scan)")

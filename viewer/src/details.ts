@@ -47,6 +47,9 @@ const kEvidence: Record<string, { name: string; value: (x: number) => string; ag
     value: (x) => centimetres(x),
     against: "once registered",
   },
+  bend_m: { name: "Bend left that no rigid motion mends", value: (x) => centimetres(x), against: "" },
+  agreeing: { name: "Other pairs around that say the same", value: (x) => String(Math.round(x)), against: "contradict it" },
+  ambiguity: { name: "Second-best registration, against the best", value: (x) => `${(100 * x).toFixed(0)} %`, against: "" },
   log10_gamma: { name: "Γ, as a power of ten", value: (x) => x.toFixed(2), against: "usual in this map" },
 };
 
@@ -61,7 +64,10 @@ function speaks(ratio: number): string {
 
 function verdictOf(name: string, piece: Evidence): string {
   if (piece.log_ratio !== null) return speaks(piece.log_ratio);
+  if (name === "ambiguity" && piece.value !== null) return piece.value > 0.8 ? "another place fits nearly as well" : "no other place fits as well";
+  if (name === "bend_m" && piece.value !== null) return "how far a submap itself is bent";
   if (piece.value === null || piece.null === null) return "nothing to compare with";
+  if (name === "agreeing") return piece.null > piece.value ? "its neighbours contradict it" : "its neighbours agree";
   if (name === "support") {
     if (piece.null <= 0) return "nothing agrees once registered";
     const gain = piece.null / Math.max(piece.value, 1);

@@ -18,11 +18,11 @@ bool is_free_with_neighbours(const VoxelMap& map, const VoxelIndex& voxel) {
 namespace {
 
 ConflictCount count_conflict(const VoxelMap& surface, const NearestVoxelSearch& space, const Pose3& T_space_surface,
-                             double margin_m) {
+                             double margin_m, std::size_t stride) {
   ConflictCount count;
   if (!space.map().has_free_space()) return count;
   const Eigen::Isometry3d T = T_space_surface.isometry();
-  for (std::size_t i = 0; i < surface.voxels().size(); ++i) {
+  for (std::size_t i = 0; i < surface.voxels().size(); i += stride) {
     const Eigen::Vector3d at_m = T * surface.voxels().centroids_m[i].cast<double>();
     const VoxelIndex voxel = voxel_at(at_m, space.map().resolution_m());
     const bool free = is_free_with_neighbours(space.map(), voxel);
@@ -39,9 +39,9 @@ ConflictCount count_conflict(const VoxelMap& surface, const NearestVoxelSearch& 
 }  // namespace
 
 ConflictSample measure_conflict(const NearestVoxelSearch& source, const NearestVoxelSearch& target,
-                                const Pose3& T_target_source, double margin_m) {
-  return {count_conflict(source.map(), target, T_target_source, margin_m),
-          count_conflict(target.map(), source, T_target_source.inverse(), margin_m)};
+                                const Pose3& T_target_source, double margin_m, std::size_t stride) {
+  return {count_conflict(source.map(), target, T_target_source, margin_m, stride),
+          count_conflict(target.map(), source, T_target_source.inverse(), margin_m, stride)};
 }
 
 }  // namespace kilter

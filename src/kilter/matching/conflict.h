@@ -38,8 +38,8 @@ struct ConflictSample {
 /// Counts surface voxels (centroid known to be a surface: probability at least that of one hit) that fall where the
 /// other submap is free: the cell and its six neighbours free, and no surface within `margin_m`. Cells within the
 /// margin of a surface count as known but never as conflict, which leaves out grazing rays and the voxels just before
-/// a hit. O(voxels).
+/// a hit. Every `stride`-th voxel of each is looked at; counts are of those. O(voxels / stride).
 [[nodiscard]] ConflictSample measure_conflict(const NearestVoxelSearch& source, const NearestVoxelSearch& target,
-                                              const Pose3& T_target_source, double margin_m);
+                                              const Pose3& T_target_source, double margin_m, std::size_t stride = 1);
 
 }  // namespace kilter

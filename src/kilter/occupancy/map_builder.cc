@@ -183,7 +183,7 @@ VoxelMap MapBuilder::finish() {
   voxels.log_odds = std::move(voxel_log_odds);
   std::vector<Hit>().swap(hits_);
   VoxelMap map(options_.resolution_m, has_free_space_, std::move(finished), std::move(voxels));
-  return with_surface_normals(std::move(map));
+  return with_surface_normals(map);
 }
 
 // Means of the hits inside each voxel that ended up occupied; `normals` holds the mean viewing direction for now, which

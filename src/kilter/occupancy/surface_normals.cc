@@ -44,7 +44,7 @@ Scatter scatter_around(const VoxelMap& map, std::size_t i, int radius) {
 
 }  // namespace
 
-VoxelMap with_surface_normals(VoxelMap map) {
+VoxelMap with_surface_normals(const VoxelMap& map) {
   SurfaceVoxels voxels = map.voxels();
   Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
   for (std::size_t i = 0; i < voxels.size(); ++i) {

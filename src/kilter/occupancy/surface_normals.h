@@ -10,6 +10,6 @@ namespace kilter {
 /// sensor left fewer than 8 of them) and stores its unit normal and planarity (sqrt(l1) - sqrt(l0)) / sqrt(l2) of the
 /// ordered eigenvalues. On entry `normals` holds each voxel's direction of view; normals point that way. Zero where
 /// fewer than 5 neighbours or only a line supports the fit. About 1 us a voxel.
-[[nodiscard]] VoxelMap with_surface_normals(VoxelMap map);
+[[nodiscard]] VoxelMap with_surface_normals(const VoxelMap& map);
 
 }  // namespace kilter

@@ -10,6 +10,7 @@
 
 #include "kilter/pipeline/draw_picture.h"
 #include "kilter/pipeline/measure_pair.h"
+#include "kilter/pipeline/reconsider_pairs.h"
 
 namespace kilter {
 namespace {
@@ -75,6 +76,9 @@ std::vector<PairMeasurement> measure_all(const std::vector<Submap>& submaps,
   parallel_for(candidates.size(), stage_context(run, "pairs"),
                [&](std::size_t i) { measured[i] = measure_pair(submaps, searches, candidates[i], options); });
   left_out = std::erase_if(measured, [](const PairMeasurement& pair) { return !pair.listed; });
+  if (run.cancelled == nullptr || !run.cancelled->load()) {
+    reconsider_pairs(submaps, searches, options, stage_context(run, "agreement"), measured);
+  }
   return measured;
 }
 
@@ -97,10 +101,10 @@ std::vector<JudgedPair> judge_all(const std::vector<PairMeasurement>& measured, 
 }
 
 void summarise(const std::vector<RobotLog>& robots, const std::vector<Submap>& submaps, Result& result) {
-  for (std::size_t robot = 0; robot < robots.size(); ++robot) {
-    const std::vector<double> path = path_lengths_m(robots[robot].T_world_cloud);
-    result.robots.push_back({robots[robot].name, robots[robot].T_world_cloud.size(), path.empty() ? 0.0 : path.back(),
-                             0, robots[robot].finished_submaps});
+  for (const RobotLog& robot : robots) {
+    const std::vector<double> path = path_lengths_m(robot.T_world_cloud);
+    result.robots.push_back(
+        {robot.name, robot.T_world_cloud.size(), path.empty() ? 0.0 : path.back(), 0, robot.finished_submaps});
   }
   for (const Submap& submap : submaps) {
     RobotSummary& robot = result.robots[static_cast<std::size_t>(submap.robot)];

@@ -34,6 +34,7 @@ void apply_seed_preset(CheckOptions& o) {
   o.distribution.method = DistributionFitMethod::kMoments;
   o.gamma.floor = GammaFloor::kNone;
   o.registration.method = RegistrationMethod::kOicp;
+  o.registration.max_iterations = 400;  // the paper names no limit; point to point creeps along walls
   o.judge.method = JudgeMethod::kGamma;
 }
 

@@ -97,7 +97,7 @@ Eigen::Vector3d centre_world_m(const PairPicture& pair, const CloudPicture& targ
   return T_world_target.isometry() * (sum_m / static_cast<double>(count));
 }
 
-bool is_sampled(const PairResult& pair) { return pair.score.has_value(); }
+bool is_sampled(const PairResult& pair) { return pair.score || pair.T_target_source_registered; }
 
 // One stride for all pairs, so that all samples together stay within twice the points.
 std::uint32_t sample_stride(const Picture& picture, const Result& result, const PictureOptions& options) {

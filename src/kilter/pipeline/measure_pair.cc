@@ -5,6 +5,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
+
+#include "kilter/registration/point_to_plane.h"
 
 namespace kilter {
 namespace {
@@ -17,6 +20,10 @@ constexpr double kPriorRotation_rad = 0.03;
 constexpr double kLeastPrior_m = 0.05;
 // Source voxels looked at to see whether a candidate is worth measuring.
 constexpr std::size_t kGlanceVoxels = 500;
+// Signs that registration ended in the wrong basin.
+constexpr double kKeptOverlap = 0.8;
+constexpr double kDoubtfulConflict = 0.03;
+constexpr double kFarMove_m = 0.3;
 
 // Both submaps' searches: by the points of the paper's distances, and by centroids.
 struct PairSearches {
@@ -57,6 +64,7 @@ PoseEvidence measure_at(const PairSearches& pair, const Pose3& T_target_source, 
   PoseEvidence evidence;
   evidence.matched = sample.matched();
   evidence.overlap = sample.overlap();
+  evidence.histogram = histogram_of(sample, options);
   evidence.mean_distance_m = 0.5 * (sample.forward.mean_euclidean_m + sample.backward.mean_euclidean_m);
   if (sample.passes_gate(options.matching)) {
     const Expected<DistributionFit> fit = fit_distribution(sample.forward.distances_m, options.distribution);
@@ -92,11 +100,36 @@ std::string gate_reason(const TwoWaySample& sample, const CandidatePair& pair, c
   return reason;
 }
 
+// Measures the pair again where registration put it.
+void measure_registered(const PairSearches& pair, const CheckOptions& options, PairEvidence& evidence) {
+  evidence.registered.reset();
+  if (!evidence.registration->converged()) return;
+  const Pose3& T_registered = evidence.registration->T_target_source;
+  evidence.registered = measure_at(pair, T_registered, sample_both_ways(pair, T_registered, options), options);
+}
+
+// Whether the local search may have ended in the wrong place: it did not converge, lost what it began with, left
+// surfaces in free space, or moved so far that another optimum could have been as near.
+bool basin_is_doubtful(const PairEvidence& evidence) {
+  if (!evidence.registered) return true;
+  const PoseEvidence& after = *evidence.registered;
+  if (after.overlap < kKeptOverlap * evidence.map.overlap) return true;
+  if (after.conflict.share() > kDoubtfulConflict) return true;
+  const Pose3 moved = evidence.registration->T_target_source * evidence.T_target_source.inverse();
+  const Eigen::Vector3d& centre_m = evidence.registration->centre_target_m;
+  return (moved.inverse() * centre_m - centre_m).norm() > kFarMove_m;
+}
+
 // What is known of the relative position before looking. Inside one robot odometry bounds it; how the frames of two
 // robots lie to each other nothing bounds, so at least the search distance is open.
 double prior_translation_m(const CandidatePair& pair, const CheckOptions& options) {
   const double least_m = pair.kind == PairKind::kGlobal ? options.matching.max_distance_m : kLeastPrior_m;
   return std::max(pair.drift_allowance_m, least_m);
+}
+
+RegistrationPrior prior_of(const CandidatePair& pair, const Submap& target, const CheckOptions& options) {
+  return {prior_translation_m(pair, options), kPriorRotation_rad,
+          target.T_world_submap.rotation().conjugate() * Eigen::Vector3d::UnitZ()};
 }
 
 }  // namespace
@@ -133,9 +166,11 @@ PairMeasurement measure_pair(std::span<const Submap> submaps, const SubmapSearch
   const auto s = static_cast<std::size_t>(pair.id.source.value);
   const auto t = static_cast<std::size_t>(pair.id.target.value);
   PairMeasurement measurement;
+  measurement.candidate = pair;
   PairEvidence& evidence = measurement.evidence;
   evidence.id = pair.id;
   evidence.kind = pair.kind;
+  evidence.resolution_m = submaps[s].map.resolution_m();
   evidence.T_target_source = submaps[t].T_world_submap.inverse() * submaps[s].T_world_submap;
   const PairSearches both{searches.by_position[s], searches.by_position[t], searches.by_centroid[s],
                           searches.by_centroid[t]};
@@ -148,24 +183,46 @@ PairMeasurement measure_pair(std::span<const Submap> submaps, const SubmapSearch
   evidence.map = measure_at(both, evidence.T_target_source, sample, options);
   measurement.matched = sample.forward.matched();
   measurement.overlap = sample.forward.overlap();
-  measurement.histogram = histogram_of(sample, options);
+  measurement.histogram = evidence.map.histogram;
   evidence.overlaps = sample.passes_gate(options.matching);
   if (!evidence.overlaps) {
     measurement.listed = always_listed;
     evidence.gate = gate_reason(sample, pair, options.matching);
-    return measurement;
+    if (!pair.predicted_enough) return measurement;
   }
   const bool oicp = options.registration.method == RegistrationMethod::kOicp;
   const auto& by = oicp ? searches.by_position : searches.by_centroid;
-  const RegistrationPrior prior{prior_translation_m(pair, options), kPriorRotation_rad};
-  evidence.registration = align_submaps(by[s], by[t], evidence.T_target_source, options.registration, prior);
-  if (!evidence.registration->converged()) return measurement;
-  const Pose3& T_registered = evidence.registration->T_target_source;
-  const TwoWaySample registered = sample_both_ways(both, T_registered, options);
-  evidence.registered = measure_at(both, T_registered, registered, options);
-  measurement.registered_histogram = histogram_of(registered, options);
-  if (oicp && evidence.registered->score) measurement.theta_oicp_per_m3 = evidence.registered->score->gamma_per_m3;
+  const RegistrationPrior prior = prior_of(pair, submaps[t], options);
+  if (evidence.overlaps) {
+    evidence.registration = align_submaps(by[s], by[t], evidence.T_target_source, options.registration, prior);
+    measure_registered(both, options, evidence);
+  }
+  if (!oicp && options.registration.wide_translation_m > 0.0 && basin_is_doubtful(evidence)) {
+    RegistrationResult wide = align_widely(by[s], by[t], evidence.T_target_source, options.registration, prior);
+    if (wide.converged()) {
+      evidence.registration = std::move(wide);
+      measure_registered(both, options, evidence);
+    }
+  }
+  if (oicp && evidence.registered && evidence.registered->score) {
+    measurement.theta_oicp_per_m3 = evidence.registered->score->gamma_per_m3;
+  }
   return measurement;
+}
+
+PairEvidence register_again(std::span<const Submap> submaps, const SubmapSearches& searches,
+                            const PairMeasurement& before, const Pose3& T_target_source_guess,
+                            const CheckOptions& options) {
+  PairEvidence evidence = before.evidence;
+  const auto s = static_cast<std::size_t>(evidence.id.source.value);
+  const auto t = static_cast<std::size_t>(evidence.id.target.value);
+  const PairSearches both{searches.by_position[s], searches.by_position[t], searches.by_centroid[s],
+                          searches.by_centroid[t]};
+  evidence.registration =
+      align_near(searches.by_centroid[s], searches.by_centroid[t], evidence.T_target_source, T_target_source_guess,
+                 options.registration, prior_of(before.candidate, submaps[t], options));
+  measure_registered(both, options, evidence);
+  return evidence;
 }
 
 PairResult pair_result(const PairMeasurement& measurement, const PairVerdict& verdict, const CheckOptions& options) {
@@ -183,10 +240,10 @@ PairResult pair_result(const PairMeasurement& measurement, const PairVerdict& ve
   result.T_target_source = evidence.T_target_source;
   if (evidence.registered) {
     result.registered_score = evidence.registered->score;
-    result.registered_histogram = measurement.registered_histogram;
+    result.registered_histogram = evidence.registered->histogram;
     result.T_target_source_registered = evidence.registration->T_target_source;
     result.covariance = evidence.registration->covariance;
-    result.trusted = verdict.verdict != Verdict::kUnverified;
+    result.trusted = verdict.verdict != Verdict::kUnverified && verdict.rigid;
   }
   const auto gamma_of = [](const std::optional<PairScore>& score) {
     return score ? score->gamma_per_m3 : std::nullopt;

@@ -32,17 +32,22 @@ struct PairMeasurement {
   /// False for a candidate that overlaps enough neither at the map's pose nor at any pose within the drift allowance:
   /// it is counted, and nothing else of it was measured. Sequential pairs are always listed.
   bool listed = true;
+  CandidatePair candidate;
   PairEvidence evidence;
   std::size_t matched = 0;  ///< source voxels matched at the map's pose
   double overlap = 0.0;     ///< of the source voxels inside the target's box, the fraction matched there
   std::optional<DistanceHistogram> histogram;  ///< at the map's pose
-  std::optional<DistanceHistogram> registered_histogram;
   std::optional<double> theta_oicp_per_m3;
 };
 
 /// Algorithm 1's inner step. Options must be `resolved`. Pure: same bits for any thread.
 [[nodiscard]] PairMeasurement measure_pair(std::span<const Submap> submaps, const SubmapSearches& searches,
                                            const CandidatePair& pair, const CheckOptions& options);
+
+/// The pair's evidence had registration started from another pose. Options must be `resolved`.
+[[nodiscard]] PairEvidence register_again(std::span<const Submap> submaps, const SubmapSearches& searches,
+                                          const PairMeasurement& before, const Pose3& T_target_source_guess,
+                                          const CheckOptions& options);
 
 /// What the outside hears of it.
 [[nodiscard]] PairResult pair_result(const PairMeasurement& measurement, const PairVerdict& verdict,

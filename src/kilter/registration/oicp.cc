@@ -47,8 +47,8 @@ std::vector<PointMatch> match_points(const NearestVoxelSearch& source, const Nea
   return matches;
 }
 
-// Keeps the nearest source of every target voxel, then the best fraction of those.
-void trim(std::vector<PointMatch>& matches, double fraction) {
+// Keeps the nearest source of every target voxel, then the best of those, `most` at most.
+void trim(std::vector<PointMatch>& matches, std::size_t most) {
   std::stable_sort(matches.begin(), matches.end(), [](const PointMatch& a, const PointMatch& b) {
     return a.target_voxel != b.target_voxel ? a.target_voxel < b.target_voxel : a.distance_m < b.distance_m;
   });
@@ -57,7 +57,7 @@ void trim(std::vector<PointMatch>& matches, double fraction) {
                 matches.end());
   std::stable_sort(matches.begin(), matches.end(),
                    [](const PointMatch& a, const PointMatch& b) { return a.distance_m < b.distance_m; });
-  matches.resize(static_cast<std::size_t>(std::ceil(fraction * static_cast<double>(matches.size()))));
+  matches.resize(std::min(matches.size(), most));
 }
 
 // The rigid motion that brings weighted source points closest to their targets (Kabsch).
@@ -118,7 +118,10 @@ RegistrationResult align_oicp(const NearestVoxelSearch& source, const NearestVox
   const double resolution_m = target.map().resolution_m();
   const double final_search_m = std::min(kFinalSearchVoxels * resolution_m, options.search_distance_m);
   const double start_overlap = overlap_at(source, target, start, options.search_distance_m);
-  const double kept = std::clamp(start_overlap, 0.3, 0.9);
+  // The overlap is a share of the source, and so is what is kept of it: the search distance has already dropped the
+  // rest, and a share of what is left would drop what disagrees.
+  const auto most = static_cast<std::size_t>(
+      std::ceil(std::clamp(start_overlap, 0.3, 0.9) * static_cast<double>(source.map().voxels().size())));
   double search_m = options.search_distance_m;
   Pose3 T = start;
   std::vector<PointMatch> matches;
@@ -126,7 +129,7 @@ RegistrationResult align_oicp(const NearestVoxelSearch& source, const NearestVox
   while (settled < kSettledIterations && result.iterations < options.max_iterations) {
     ++result.iterations;
     matches = match_points(source, target, T, search_m);
-    trim(matches, kept);
+    trim(matches, most);
     if (matches.size() < static_cast<std::size_t>(options.min_matches)) return result;
     const Pose3 step = rigid_fit(matches);
     T = step * T;

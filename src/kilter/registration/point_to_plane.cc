@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "kilter/matching/conflict.h"
+#include "kilter/registration/coarse_search.h"
 #include "kilter/registration/normal_equations.h"
 #include "kilter/registration/uncertainty.h"
 
@@ -21,8 +23,22 @@ constexpr double kLeastAgreement = 0.6;     // cosine between normals of matched
 constexpr double kSmallStep_m = 1e-3;
 constexpr double kSmallTurn_rad = 1e-4;
 constexpr double kSupportVoxels = 0.25;  // this near its plane a point supports the pose
+constexpr double kBendCell_m = 2.0;
 constexpr std::size_t kFewestResiduals = 40;
 constexpr std::size_t kAllPoints = 1U << 31;
+// The wide search.
+constexpr int kWideStarts = 6;
+constexpr int kWidePoints = 600;             // while descending from each of them
+constexpr std::size_t kJudgedVoxels = 6000;  // of the larger submap, to tell the best
+constexpr int kWideIterations = 18;
+constexpr double kLeastCoarseShare = 0.6;  // of the best coarse score, to be descended from
+constexpr double kConflictCost = 3.0;      // voxels of support that one conflicting voxel outweighs
+constexpr double kConflictMarginVoxels = 2.0;
+constexpr double kHomeBonus = 1.2;          // the map's own basin is left for something clearly better only
+constexpr double kWideRefinement_m = 1.0;   // a coarse pose is good to a cell or two
+constexpr double kMostRise_m = 1.0;         // vertically; lidar poses drift less in height
+constexpr double kDistinctVoxels = 5.0;     // optima nearer than this are one
+constexpr double kCloseSearchVoxels = 6.0;  // for the last descent, from the best
 
 struct Kernel {
   double scale_m;
@@ -43,11 +59,10 @@ bool normals_agree(const Eigen::Vector3d& a, const Eigen::Vector3d& b, bool orie
 
 // Points of `from` against the planes of `onto`, in the frame of `onto`.
 void match_one_way(const NearestVoxelSearch& from, const NearestVoxelSearch& onto, const Pose3& T_onto_from,
-                   double search_m, std::size_t max_points, std::vector<PlaneResidual>& residuals) {
+                   double search_m, std::size_t stride, std::vector<PlaneResidual>& residuals) {
   const SurfaceVoxels& points = from.map().voxels();
   const SurfaceVoxels& planes = onto.map().voxels();
   const bool oriented = from.map().has_free_space() && onto.map().has_free_space();
-  const std::size_t stride = std::max<std::size_t>(1, points.size() / max_points);
   const Eigen::Isometry3d T = T_onto_from.isometry();
   for (std::size_t i = 0; i < points.size(); i += stride) {
     const Eigen::Vector3d point_m = T * points.centroids_m[i].cast<double>();
@@ -63,18 +78,37 @@ void match_one_way(const NearestVoxelSearch& from, const NearestVoxelSearch& ont
 
 // Both ways, so that it does not matter which of the two is called the source. A target point q lies off a source
 // plane by (R n) . (q - T c); moving the source moves that plane, hence the turned direction.
-std::vector<PlaneResidual> match_planes(const NearestVoxelSearch& source, const NearestVoxelSearch& target,
-                                        const Pose3& T_target_source, double search_m, std::size_t max_points) {
+struct Strides {
+  std::size_t source = 1;
+  std::size_t target = 1;
+};
+
+std::vector<PlaneResidual> match_both_ways(const NearestVoxelSearch& source, const NearestVoxelSearch& target,
+                                           const Pose3& T_target_source, double search_m, const Strides& strides) {
   std::vector<PlaneResidual> residuals;
-  match_one_way(source, target, T_target_source, search_m, max_points, residuals);
+  match_one_way(source, target, T_target_source, search_m, strides.source, residuals);
   const std::size_t forward = residuals.size();
-  match_one_way(target, source, T_target_source.inverse(), search_m, max_points, residuals);
+  match_one_way(target, source, T_target_source.inverse(), search_m, strides.target, residuals);
   const Eigen::Isometry3d T = T_target_source.isometry();
   for (std::size_t i = forward; i < residuals.size(); ++i) {
     residuals[i].point_m = T * residuals[i].point_m;
     residuals[i].direction = -(T.linear() * residuals[i].direction);
   }
   return residuals;
+}
+
+// About max_points of each.
+std::vector<PlaneResidual> match_planes(const NearestVoxelSearch& source, const NearestVoxelSearch& target,
+                                        const Pose3& T_target_source, double search_m, std::size_t max_points) {
+  const auto stride = [&](const NearestVoxelSearch& of) {
+    return std::max<std::size_t>(1, of.map().voxels().size() / max_points);
+  };
+  return match_both_ways(source, target, T_target_source, search_m, {stride(source), stride(target)});
+}
+
+std::vector<PlaneResidual> match_every(const NearestVoxelSearch& source, const NearestVoxelSearch& target,
+                                       const Pose3& T_target_source, double search_m, std::size_t stride) {
+  return match_both_ways(source, target, T_target_source, search_m, {stride, stride});
 }
 
 double median_absolute_m(const std::vector<PlaneResidual>& residuals) {
@@ -94,11 +128,134 @@ void apply_kernel(std::vector<PlaneResidual>& residuals, double least_m) {
   for (PlaneResidual& r : residuals) r.weight *= kernel.weight(r.residual_m);
 }
 
-bool out_of_range(const Pose3& start, const Pose3& now, const Eigen::Vector3d& centre_target_m,
-                  const RegistrationOptions& options, const RegistrationPrior& prior) {
+bool out_of_range(const Pose3& start, const Pose3& now, const Eigen::Vector3d& centre_target_m, double range_m,
+                  double max_rotation_rad) {
   const Pose3 moved = now * start.inverse();
   const double shift_m = (moved * centre_target_m - centre_target_m).norm();
-  return shift_m > prior.translation_m + options.search_distance_m || moved.angle_rad() > options.max_rotation_rad;
+  return shift_m > range_m || moved.angle_rad() > max_rotation_rad;
+}
+
+// What the iterations of one search leave behind.
+struct Descent {
+  StopReason stop = StopReason::kTooFewMatches;
+  Pose3 T;
+  int iterations = 0;
+};
+
+double final_search_m(const NearestVoxelSearch& target, const RegistrationOptions& options) {
+  return std::min(kFinalSearchVoxels * target.map().resolution_m(), options.search_distance_m);
+}
+
+// From the start into the nearest optimum, at most range_m away.
+Descent descend(const NearestVoxelSearch& source, const NearestVoxelSearch& target, const Pose3& start,
+                const RegistrationOptions& options, double range_m) {
+  const auto max_points = static_cast<std::size_t>(options.max_points);
+  // How many voxels one residual stands for: the gate counts voxels, of either submap.
+  const double per_residual = std::max(1.0, static_cast<double>(source.map().voxels().size()) / options.max_points);
+  const auto enough = [&](std::size_t count) {
+    return 0.5 * static_cast<double>(count) * per_residual >= options.min_matches && count >= kFewestResiduals;
+  };
+  const double last_search_m = final_search_m(target, options);
+  const double final_kernel_m = kFinalKernelVoxels * target.map().resolution_m();
+  Descent descent;
+  descent.T = start;
+  double search_m = options.search_distance_m;
+  bool settled = false;
+  int level_iterations = 0;
+  while (!settled && descent.iterations < options.max_iterations) {
+    ++descent.iterations;
+    ++level_iterations;
+    const bool last_level = search_m <= last_search_m;
+    std::vector<PlaneResidual> residuals = match_planes(source, target, descent.T, search_m, max_points);
+    if (!enough(residuals.size())) return descent;
+    apply_kernel(residuals, last_level ? final_kernel_m : kKernelOfSearch * search_m);
+    const NormalEquations equations = build_normal_equations(residuals);
+    const ObservableSplit split = split_observable(equations);
+    if (split.unobservable == 6) {
+      descent.stop = StopReason::kDegenerate;
+      return descent;
+    }
+    const Vector6 step = solve_observable(equations, split);
+    descent.T = motion_about(equations.centre_m, step) * descent.T;
+    if (out_of_range(start, descent.T, equations.centre_m, range_m, options.max_rotation_rad)) {
+      descent.stop = StopReason::kOutOfRange;
+      return descent;
+    }
+    settled = last_level && step.head<3>().norm() < kSmallStep_m && step.tail<3>().norm() < kSmallTurn_rad;
+    if (!last_level && (step.head<3>().norm() < kLevelSettled * search_m || level_iterations >= kLevelIterations)) {
+      search_m = std::max(search_m * kShrink, last_search_m);
+      level_iterations = 0;
+    }
+  }
+  descent.stop = settled ? StopReason::kConverged : StopReason::kMaxIterations;
+  return descent;
+}
+
+// Judges where a descent ended on all voxels.
+RegistrationResult finish(const NearestVoxelSearch& source, const NearestVoxelSearch& target, const Pose3& start,
+                          const Descent& descent, const RegistrationOptions& options, const RegistrationPrior& prior) {
+  RegistrationResult result;
+  result.T_target_source = start;
+  result.iterations = descent.iterations;
+  result.stop = descent.stop;
+  if (descent.stop != StopReason::kConverged && descent.stop != StopReason::kMaxIterations) return result;
+  const double resolution_m = target.map().resolution_m();
+  const double search_m = final_search_m(target, options);
+  std::vector<PlaneResidual> residuals = match_planes(source, target, descent.T, search_m, kAllPoints);
+  result.matches = residuals.size() / 2;
+  result.support_end = count_below(residuals, kSupportVoxels * resolution_m);
+  result.support_start =
+      count_below(match_planes(source, target, start, search_m, kAllPoints), kSupportVoxels * resolution_m);
+  if (result.matches < static_cast<std::size_t>(options.min_matches)) {
+    result.stop = StopReason::kTooFewMatches;
+    return result;
+  }
+  result.bend =
+      measure_bend(match_planes(source, target, descent.T, options.search_distance_m, kAllPoints), kBendCell_m);
+  apply_kernel(residuals, kFinalKernelVoxels * resolution_m);
+  const NormalEquations equations = build_normal_equations(residuals);
+  const ObservableSplit split = split_observable(equations);
+  result.T_target_source = descent.T;
+  result.residual_rms_m = std::sqrt(equations.squares_m2 / equations.weight);
+  // Centroids of voxels sit within a tenth of a voxel of the surface they stand for.
+  describe_uncertainty(residuals, equations, split, 0.05 * resolution_m, prior, result);
+  return result;
+}
+
+// A pose that a descent from one of the starts ended at.
+struct Optimum {
+  Descent descent;
+  /// Voxels that a plane supports, less kConflictCost for each that stands where the other submap saw through: a pose
+  /// that merely overlaps more gathers support, and conflict with it.
+  double worth = 0.0;
+};
+
+Optimum judged(const NearestVoxelSearch& source, const NearestVoxelSearch& target, const Descent& descent,
+               const RegistrationOptions& options) {
+  const double resolution_m = target.map().resolution_m();
+  const std::size_t larger = std::max(source.map().voxels().size(), target.map().voxels().size());
+  const std::size_t stride = std::max<std::size_t>(1, larger / kJudgedVoxels);
+  const std::size_t support = count_below(
+      match_every(source, target, descent.T, final_search_m(target, options), stride), kSupportVoxels * resolution_m);
+  const ConflictSample conflict =
+      measure_conflict(source, target, descent.T, kConflictMarginVoxels * resolution_m, stride);
+  const std::size_t conflicting = conflict.source_in_target.conflicting + conflict.target_in_source.conflicting;
+  const double worth = static_cast<double>(support) - kConflictCost * static_cast<double>(conflicting);
+  return {descent, worth * static_cast<double>(stride)};
+}
+
+// RMS over points at the source's own spread would need them all; its box is near enough to tell optima apart.
+double apart_m(const VoxelMap& source, const Pose3& a, const Pose3& b) {
+  const Eigen::AlignedBox3d& box = source.bounds_m();
+  double largest_m = 0.0;
+  for (int corner = 0; corner < 8; ++corner) {
+    const Eigen::Vector3d half_m = 0.25 * box.sizes();  // half way out: few points lie in the corners
+    const Eigen::Vector3d at_m = box.center() + Eigen::Vector3d((corner & 1) != 0 ? half_m.x() : -half_m.x(),
+                                                                (corner & 2) != 0 ? half_m.y() : -half_m.y(),
+                                                                (corner & 4) != 0 ? half_m.z() : -half_m.z());
+    largest_m = std::max(largest_m, (a * at_m - b * at_m).norm());
+  }
+  return largest_m;
 }
 
 }  // namespace
@@ -106,61 +263,64 @@ bool out_of_range(const Pose3& start, const Pose3& now, const Eigen::Vector3d& c
 RegistrationResult align_point_to_plane(const NearestVoxelSearch& source, const NearestVoxelSearch& target,
                                         const Pose3& start, const RegistrationOptions& options,
                                         const RegistrationPrior& prior) {
-  RegistrationResult result;
-  result.T_target_source = start;
-  const auto max_points = static_cast<std::size_t>(options.max_points);
-  // How many voxels one residual stands for: the gate counts voxels, of either submap.
-  const double per_residual = std::max(1.0, static_cast<double>(source.map().voxels().size()) / options.max_points);
-  const double resolution_m = target.map().resolution_m();
-  const auto enough = [&](std::size_t count) {
-    return 0.5 * static_cast<double>(count) * per_residual >= options.min_matches && count >= kFewestResiduals;
-  };
-  const double final_search_m = std::min(kFinalSearchVoxels * resolution_m, options.search_distance_m);
-  const double final_kernel_m = kFinalKernelVoxels * resolution_m;
-  double search_m = options.search_distance_m;
-  Pose3 T = start;
-  bool settled = false;
-  int level_iterations = 0;
-  while (!settled && result.iterations < options.max_iterations) {
-    ++result.iterations;
-    ++level_iterations;
-    const bool last_level = search_m <= final_search_m;
-    std::vector<PlaneResidual> residuals = match_planes(source, target, T, search_m, max_points);
-    if (!enough(residuals.size())) return result;
-    apply_kernel(residuals, last_level ? final_kernel_m : kKernelOfSearch * search_m);
-    const NormalEquations equations = build_normal_equations(residuals);
-    const ObservableSplit split = split_observable(equations);
-    if (split.unobservable == 6) {
-      result.stop = StopReason::kDegenerate;
-      return result;
-    }
-    const Vector6 step = solve_observable(equations, split);
-    T = motion_about(equations.centre_m, step) * T;
-    if (out_of_range(start, T, equations.centre_m, options, prior)) {
-      result.stop = StopReason::kOutOfRange;
-      return result;
-    }
-    settled = last_level && step.head<3>().norm() < kSmallStep_m && step.tail<3>().norm() < kSmallTurn_rad;
-    if (!last_level && (step.head<3>().norm() < kLevelSettled * search_m || level_iterations >= kLevelIterations)) {
-      search_m = std::max(search_m * kShrink, final_search_m);
-      level_iterations = 0;
-    }
-  }
+  const Descent descent = descend(source, target, start, options, prior.translation_m + options.search_distance_m);
+  return finish(source, target, start, descent, options, prior);
+}
 
-  std::vector<PlaneResidual> residuals = match_planes(source, target, T, final_search_m, kAllPoints);
-  result.matches = residuals.size() / 2;
-  result.support_end = count_below(residuals, kSupportVoxels * resolution_m);
-  result.support_start =
-      count_below(match_planes(source, target, start, final_search_m, kAllPoints), kSupportVoxels * resolution_m);
-  if (result.matches < static_cast<std::size_t>(options.min_matches)) return result;
-  apply_kernel(residuals, final_kernel_m);
-  const NormalEquations equations = build_normal_equations(residuals);
-  const ObservableSplit split = split_observable(equations);
-  result.stop = settled ? StopReason::kConverged : StopReason::kMaxIterations;
-  result.T_target_source = T;
-  result.residual_rms_m = std::sqrt(equations.squares_m2 / equations.weight);
-  // Centroids of voxels sit within a tenth of a voxel of the surface they stand for.
-  describe_uncertainty(residuals, equations, split, 0.05 * resolution_m, prior, result);
+RegistrationResult align_widely(const NearestVoxelSearch& source, const NearestVoxelSearch& target, const Pose3& start,
+                                const RegistrationOptions& options, const RegistrationPrior& prior) {
+  const double resolution_m = target.map().resolution_m();
+  const double reach_m = std::max(options.wide_translation_m, prior.translation_m);
+  const CoarseSearchRange range{reach_m, std::min(reach_m, kMostRise_m), options.max_rotation_rad};
+  std::vector<Pose3> starts = {start};
+  const std::vector<CoarsePose> coarse =
+      coarse_search(source.map(), target.map(), start, range, prior.up_target, kWideStarts);
+  for (const CoarsePose& pose : coarse) {
+    if (pose.score >= kLeastCoarseShare * coarse.front().score) starts.push_back(pose.T_target_source);
+  }
+  RegistrationOptions quick = options;
+  quick.max_points = std::min(options.max_points, kWidePoints);
+  quick.max_iterations = std::min(options.max_iterations, kWideIterations);
+  std::vector<Optimum> optima;
+  for (const Pose3& from : starts) {
+    // A coarse pose is a cell or two off; from the map's own pose the whole way is open.
+    const double range_m = from.translation_m() == start.translation_m() ? reach_m : kWideRefinement_m;
+    const Descent descent = descend(source, target, from, quick, range_m + options.search_distance_m);
+    if (descent.stop != StopReason::kConverged && descent.stop != StopReason::kMaxIterations) continue;
+    optima.push_back(judged(source, target, descent, options));
+    if (&from == &starts.front() && optima.back().worth > 0.0) optima.back().worth *= kHomeBonus;
+  }
+  if (optima.empty()) {
+    RegistrationResult result;
+    result.T_target_source = start;
+    result.searched = true;
+    return result;
+  }
+  const auto best = std::max_element(optima.begin(), optima.end(),
+                                     [](const Optimum& a, const Optimum& b) { return a.worth < b.worth; });
+  const Optimum* runner_up = nullptr;
+  for (const Optimum& other : optima) {
+    if (apart_m(source.map(), other.descent.T, best->descent.T) < kDistinctVoxels * resolution_m) continue;
+    if (runner_up == nullptr || other.worth > runner_up->worth) runner_up = &other;
+  }
+  RegistrationOptions close = options;
+  close.search_distance_m = std::min(options.search_distance_m, kCloseSearchVoxels * resolution_m);
+  Descent descent = descend(source, target, best->descent.T, close, kWideRefinement_m);
+  if (descent.stop != StopReason::kConverged) descent = best->descent;
+  RegistrationResult result = finish(source, target, start, descent, options, prior);
+  result.searched = true;
+  result.worth = best->worth;
+  result.ambiguity = runner_up == nullptr ? 0.0 : std::clamp(runner_up->worth / std::max(best->worth, 1.0), 0.0, 1.0);
+  if (runner_up != nullptr) result.T_target_source_runner_up = runner_up->descent.T;
+  return result;
+}
+
+RegistrationResult align_near(const NearestVoxelSearch& source, const NearestVoxelSearch& target, const Pose3& start,
+                              const Pose3& guess, const RegistrationOptions& options, const RegistrationPrior& prior) {
+  const Descent descent = descend(source, target, guess, options, kWideRefinement_m);
+  RegistrationResult result = finish(source, target, start, descent, options, prior);
+  result.searched = true;
+  if (result.converged()) result.worth = judged(source, target, descent, options).worth;
   return result;
 }
 

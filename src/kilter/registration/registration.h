@@ -4,12 +4,14 @@
 
 #include <Eigen/Core>
 #include <cstddef>
+#include <optional>
 #include <string_view>
 #include <vector>
 
 #include "kilter/base/option_table.h"
 #include "kilter/geometry/pose3.h"
 #include "kilter/matching/nearest_voxel.h"
+#include "kilter/registration/bend.h"
 
 namespace kilter {
 
@@ -22,10 +24,11 @@ enum class RegistrationMethod {
 struct RegistrationOptions {
   RegistrationMethod method = RegistrationMethod::kPointToPlane;
   int max_iterations = 80;
-  int min_matches = 200;           ///< fewer correspondences end it as kTooFewMatches
-  double search_distance_m = 1.0;  ///< correspondences of the first iterations may be this far. [m]
-  double max_rotation_rad = 0.35;  ///< more than this from the start is refused. [rad]
-  int max_points = 6000;           ///< source voxels used while iterating (evenly picked)
+  int min_matches = 200;            ///< fewer correspondences end it as kTooFewMatches
+  double search_distance_m = 1.0;   ///< correspondences of the first iterations may be this far. [m]
+  double max_rotation_rad = 0.35;   ///< more than this from the start is refused. [rad]
+  int max_points = 6000;            ///< source voxels used while iterating (evenly picked)
+  double wide_translation_m = 5.0;  ///< how far the wide search looks, 0 = never. [m]
 };
 
 [[nodiscard]] std::vector<OptionField> fields(RegistrationOptions& options);
@@ -46,6 +49,7 @@ enum class StopReason {
 struct RegistrationPrior {
   double translation_m = 1.0;
   double rotation_rad = 0.1;
+  Eigen::Vector3d up_target = Eigen::Vector3d::UnitZ();  ///< the vertical in the target's frame, for the wide search
 };
 
 /// The aligned pose of one pair and how well it is known.
@@ -71,11 +75,21 @@ struct RegistrationResult {
   Matrix6 covariance_measured = Matrix6::Zero();
   /// Unit twists about `centre_target_m` along the target's axes that the scene does not fix.
   std::vector<Vector6> unobservable;
+  Bend bend;  ///< what still lies apart at the end, of places at most search_distance_m from each other
+  /// Found by the wide search instead of from the map's pose.
+  bool searched = false;
+  /// Voxels that a plane supports at the end, less what free-space conflict costs: what the wide search ranks poses by.
+  /// Known where it ran.
+  double worth = 0.0;
+  /// Worth (support less conflict) of the next best distinct pose as a share of the best, where the wide search found
+  /// one: near 1, the pair fits as well elsewhere. Absent if the wide search did not run.
+  std::optional<double> ambiguity;
+  Pose3 T_target_source_runner_up;  ///< that pose; meaningful with `ambiguity`
 
   [[nodiscard]] bool converged() const { return stop == StopReason::kConverged; }
 };
 
-/// Aligns the source to the target, starting from the map's relative pose.
+/// Aligns the source to the target, starting from the map's relative pose: local search only.
 ///
 /// \param source, target  searches over centroids for point-to-plane; over the seed's positions for OICP.
 /// Never fails with an error: a registration that did not work says so in `stop`. Deterministic.

@@ -4,6 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include <tuple>
+
+#include "kilter/registration/point_to_plane.h"
 #include "testing/scenes.h"
 
 namespace kilter {
@@ -48,6 +51,43 @@ TEST(AlignSubmaps, PointToPlaneFindsTheTruthFromDriftedStarts) {
     EXPECT_LT(error.angle_rad(), 0.004) << shift_m;
     EXPECT_TRUE(result.unobservable.empty());
   }
+}
+
+RegistrationResult run_widely(const TestPair& pair, const Pose3& start) {
+  const NearestVoxelSearch source(pair.source.map, VoxelPosition::kCentroid, 1.0);
+  const NearestVoxelSearch target(pair.target.map, VoxelPosition::kCentroid, 1.0);
+  RegistrationPrior prior;
+  prior.up_target = pair.target.T_world_submap.rotation().conjugate() * Eigen::Vector3d::UnitZ();
+  return align_widely(source, target, start, {}, prior);
+}
+
+TEST(AlignWidely, FindsTheTruthFromBeyondTheBasin) {
+  const TestPair pair = room_pair();
+  for (const auto& [x, y, yaw] : {std::tuple(1.5, -1.0, 0.1), std::tuple(-2.5, 2.0, -0.2), std::tuple(4.0, 1.0, 0.3)}) {
+    const Pose3 start = pose_at(x, y, 0.1, yaw) * pair.T_target_source;
+    const RegistrationResult result = run_widely(pair, start);
+    ASSERT_TRUE(result.converged()) << to_string(result.stop) << " from " << x;
+    EXPECT_TRUE(result.searched);
+    const Pose3 error = pair.T_target_source.inverse() * result.T_target_source;
+    EXPECT_LT(error.translation_m().norm(), 0.02) << x;
+    EXPECT_LT(error.angle_rad(), 0.004) << x;
+    ASSERT_TRUE(result.ambiguity.has_value());
+    EXPECT_LT(*result.ambiguity, 0.6) << x;
+    EXPECT_GT(result.support_end, 2 * result.support_start) << x;
+  }
+}
+
+TEST(AlignWidely, StaysWhereTheMapIsRight) {
+  const TestPair pair = room_pair();
+  const RegistrationResult result = run_widely(pair, pair.T_target_source);
+  ASSERT_TRUE(result.converged());
+  EXPECT_LT((pair.T_target_source.inverse() * result.T_target_source).translation_m().norm(), 0.02);
+}
+
+TEST(AlignWidely, FindsNothingWhereNothingStands) {
+  const TestPair pair = room_pair();
+  const RegistrationResult result = run_widely(pair, pose_at(60.0, 0.0, 0.0, 0.0) * pair.T_target_source);
+  EXPECT_FALSE(result.converged());
 }
 
 // Floor and ceiling, most of the room, fit at every horizontal shift: only a few walls say where it belongs.

@@ -8,9 +8,11 @@
 #include <vector>
 
 #include "kilter/base/option_table.h"
+#include "kilter/consistency/distribution.h"
 #include "kilter/consistency/gamma.h"
 #include "kilter/matching/conflict.h"
 #include "kilter/registration/registration.h"
+#include "kilter/verification/agreement.h"
 #include "kilter/verification/verdict.h"
 
 namespace kilter {
@@ -39,6 +41,7 @@ struct PoseEvidence {
   double overlap = 0.0;            ///< the larger of both ways
   double mean_distance_m = 0.0;    ///< mean of d_e over the matched voxels, both ways
   ConflictSample conflict;
+  std::optional<DistanceHistogram> histogram = {};  ///< of the distances, to be shown; absent when nothing matched
 };
 
 /// All that was measured on one pair.
@@ -48,9 +51,11 @@ struct PairEvidence {
   bool overlaps = false;  ///< passes the gates on matched count and fraction at the map's pose
   std::string gate;       ///< what fails, if it does not overlap
   Pose3 T_target_source;  ///< the map's
+  double resolution_m = 0.1;
   PoseEvidence map;
   std::optional<RegistrationResult> registration;  ///< absent if it was not tried
   std::optional<PoseEvidence> registered;          ///< absent if it did not converge
+  Agreement agreement;                             ///< with the registrations around it, once they were compared
 };
 
 /// What pairs of this map look like when nothing is wrong: medians over the sequential pairs, which survive a fifth of
@@ -60,7 +65,7 @@ struct MapNull {
   double log10_gamma_spread = 0.0;  ///< 1.4826 times the median absolute deviation
   double log10_theta = 0.0;         ///< once registered
   double log10_theta_spread = 0.0;  ///< 1.4826 times the median absolute deviation
-  double conflict = 0.0;            ///< share that conflicts once registered
+  double conflict = 0.0;            ///< lower quartile, over all pairs, of the share that conflicts once registered
   double conflict_spread = 0.0;
   std::size_t pairs = 0;  ///< how many stand behind it
 };

@@ -34,6 +34,9 @@ void decide_inconsistent(std::vector<JudgedPair>& pairs, const JudgeOptions& opt
     pair.verdict.reason = fmt::format("offset {:.1f} cm ({:.1f} to {:.1f} cm): above the tolerance of {:.1f} cm",
                                       100.0 * *pair.verdict.offset_m, 100.0 * interval[0], 100.0 * interval[1],
                                       100.0 * options.tolerance_m);
+    if (!pair.verdict.rigid) {
+      pair.verdict.reason += "; no rigid motion mends all of it, a submap is bent or slipped inside";
+    }
   }
 }
 

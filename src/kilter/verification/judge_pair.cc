@@ -31,6 +31,12 @@ constexpr double kLeastGain = 1.3;
 // this much of what both saw no longer conflicts, and at most half of the conflict is left.
 constexpr double kLeastGainWithFreeSpace = 1.1;
 constexpr double kLeastConflictGone = 0.02;
+// Another pose that fits this well makes a registration ambiguous, unless this many registrations around it agree.
+constexpr double kAmbiguous = 0.7;
+constexpr int kSupported = 2;
+// What a rigid motion leaves apart beyond this (in tolerances, never below so many voxels of noise) is a bend.
+constexpr double kBendOfTolerance = 1.5;
+constexpr double kBendVoxels = 1.2;
 
 double median_of(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
@@ -51,6 +57,15 @@ Typical typical_of(const std::vector<double>& values) {
   for (const double value : values) deviations.push_back(std::abs(value - typical.median));
   typical.spread = 1.4826 * median_of(deviations);
   return typical;
+}
+
+// Lower quartile, and the spread that a normal law has between it and its lower twentieth: holds up where most pairs
+// are bad, as where one wrong closure bent the whole map.
+Typical lower_quarter_of(std::vector<double> values) {
+  if (values.empty()) return {};
+  std::sort(values.begin(), values.end());
+  const double quarter = values[values.size() / 4];
+  return {quarter, (quarter - values[values.size() / 20]) / (1.6449 - 0.6745)};
 }
 
 double conflict_limit(const MapNull& null) {
@@ -87,9 +102,15 @@ void note_measurements(const PairEvidence& pair, const MapNull& null, PairVerdic
   }
 }
 
-void note_support(const RegistrationResult& registration, PairVerdict& verdict) {
+void note_support(const RegistrationResult& registration, const Agreement& agreement, PairVerdict& verdict) {
   verdict.evidence["support"] = {static_cast<double>(registration.support_start),
                                  static_cast<double>(registration.support_end), std::nullopt};
+  verdict.evidence["bend_m"].value = registration.bend.rms_m;
+  if (registration.searched) {
+    verdict.evidence["agreeing"] = {static_cast<double>(agreement.agreeing),
+                                    static_cast<double>(agreement.contradicting), std::nullopt};
+  }
+  if (registration.ambiguity) verdict.evidence["ambiguity"].value = *registration.ambiguity;
 }
 
 void note_offset(const OffsetEstimate& offset, const JudgeOptions& options, PairVerdict& verdict) {
@@ -113,6 +134,20 @@ std::string in_cm(double metres) { return fmt::format("{:.1f} cm", 100.0 * metre
 // Why the registered pose cannot be believed; empty if it can.
 std::string doubt(const PairEvidence& pair, const MapNull& null) {
   const PoseEvidence& after = *pair.registered;
+  const RegistrationResult& registration = *pair.registration;
+  const Agreement& agreement = pair.agreement;
+  if (registration.searched && agreement.contradicted()) {
+    return fmt::format(
+        "of the {} registrations around it that could tell, {} ask for another correction: it may have settled in the "
+        "wrong place",
+        agreement.agreeing + agreement.contradicting, agreement.contradicting);
+  }
+  if (registration.ambiguity.value_or(0.0) > kAmbiguous && agreement.agreeing < kSupported) {
+    return fmt::format(
+        "ambiguous: {:.1f} m from there it fits {:.0f} % as well",
+        (registration.T_target_source_runner_up.translation_m() - registration.T_target_source.translation_m()).norm(),
+        100.0 * *registration.ambiguity);
+  }
   if (after.overlap < kOverlapKept * pair.map.overlap) {
     return fmt::format("registration lost overlap ({:.0f} % to {:.0f} %): the places may differ",
                        100.0 * pair.map.overlap, 100.0 * after.overlap);
@@ -167,7 +202,11 @@ MapNull estimate_null(std::span<const PairEvidence> pairs) {
     if (pair.map.score && pair.map.score->log10_gamma) gammas.push_back(*pair.map.score->log10_gamma);
     const std::optional<PairScore>& theta = pair.registered->score;
     if (theta && theta->log10_gamma) thetas.push_back(*theta->log10_gamma);
-    if (pair.registered->conflict.known() > 0) conflicts.push_back(pair.registered->conflict.share());
+  }
+  for (const PairEvidence& pair : pairs) {
+    if (pair.registered && pair.registered->conflict.known() > 0) {
+      conflicts.push_back(pair.registered->conflict.share());
+    }
   }
   const Typical gamma = typical_of(gammas);
   null.log10_gamma = gamma.median;
@@ -175,7 +214,7 @@ MapNull estimate_null(std::span<const PairEvidence> pairs) {
   const Typical theta = typical_of(thetas);
   null.log10_theta = theta.median;
   null.log10_theta_spread = theta.spread;
-  const Typical conflict = typical_of(conflicts);
+  const Typical conflict = lower_quarter_of(std::move(conflicts));
   null.conflict = conflict.median;
   null.conflict_spread = conflict.spread;
   return null;
@@ -184,7 +223,7 @@ MapNull estimate_null(std::span<const PairEvidence> pairs) {
 PairVerdict judge_pair(const PairEvidence& pair, const MapNull& null, const JudgeOptions& options) {
   PairVerdict verdict;
   note_measurements(pair, null, verdict);
-  if (!pair.overlaps) {
+  if (!pair.overlaps && !pair.registered) {
     verdict.reason = pair.gate;
     return verdict;
   }
@@ -196,11 +235,13 @@ PairVerdict judge_pair(const PairEvidence& pair, const MapNull& null, const Judg
   verdict.unobservable = pair.registration->unobservable;
   const OffsetEstimate offset = estimate_offset(*pair.registration, pair.T_target_source);
   note_offset(offset, options, verdict);
-  note_support(*pair.registration, verdict);
+  note_support(*pair.registration, pair.agreement, verdict);
   const std::string measured =
       fmt::format("offset {} ({} to {})", in_cm(offset.offset_m), in_cm((*verdict.offset_interval_m)[0]),
                   in_cm((*verdict.offset_interval_m)[1]));
   const std::string why_not = doubt(pair, null);
+  verdict.rigid = pair.registration->bend.rms_m <=
+                  std::max(kBendOfTolerance * options.tolerance_m, kBendVoxels * pair.resolution_m);
   const bool beyond = offset.offset_m > options.tolerance_m;
   if (!why_not.empty()) {
     verdict.reason = fmt::format("{}; {}", measured, why_not);
@@ -211,6 +252,10 @@ PairVerdict judge_pair(const PairEvidence& pair, const MapNull& null, const Judg
   } else if (beyond) {
     verdict.reason =
         fmt::format("{}: not told from the tolerance of {} over the whole map", measured, in_cm(options.tolerance_m));
+  } else if (!verdict.rigid) {
+    verdict.reason =
+        fmt::format("{}, but parts of the overlap still lie {} apart there: a submap is bent, or slipped inside",
+                    measured, in_cm(pair.registration->bend.rms_m));
   } else if (log_tails(offset.with_prior, options.tolerance_m).above <= std::log(kConsistentTail)) {
     verdict.verdict = Verdict::kConsistent;
     verdict.reason = fmt::format("{}: below the tolerance of {}", measured, in_cm(options.tolerance_m));

@@ -71,6 +71,8 @@ TEST(JudgePair, WithoutOverlapItIsNeverDecided) {
   PairEvidence pair = pair_moved(0.0, 0.01);
   pair.overlaps = false;
   pair.gate = "too little overlap";
+  pair.registration.reset();
+  pair.registered.reset();
   EXPECT_EQ(judge_pair(pair, {}, {}).verdict, Verdict::kUnverified);
   EXPECT_EQ(judge_pair(pair, {}, {}).reason, "too little overlap");
   EXPECT_FALSE(judge_pair(pair, {}, {}).offset_m.has_value());

@@ -69,7 +69,8 @@ struct PairVerdict {
   std::optional<double> minimum_detectable_m;      ///< smallest offset that this pair would reveal. [m]
   std::vector<Vector6> unobservable;               ///< unit twists about the overlap's centre, target axes
   std::optional<double> p_value;                   ///< for "at most the tolerance"
-  std::optional<double> log_odds;                  ///< ln(p / (1 - p)) of p_inconsistent
+  bool rigid = true;               ///< false if no rigid motion brings all of the overlap together: a submap is bent
+  std::optional<double> log_odds;  ///< ln(p / (1 - p)) of p_inconsistent
   std::optional<double> p_inconsistent;
 };
 

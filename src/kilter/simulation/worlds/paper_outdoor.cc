@@ -8,6 +8,7 @@
 #include <array>
 
 #include "kilter/simulation/props.h"
+#include "kilter/simulation/worlds/door.h"
 #include "kilter/simulation/worlds/floor_plan.h"
 #include "kilter/simulation/worlds/worlds.h"
 
@@ -20,7 +21,7 @@ using Way = std::vector<Vector3d>;
 
 constexpr double kPi = std::numbers::pi;
 constexpr double kSubmap_m = 10.0;  // the paper's interval
-constexpr double kHedge_m = 2.6;
+constexpr double kHedge_m = 4.0;
 constexpr double kPocketDepth_m = 5.5;
 constexpr double kPocketWidth_m = 8.0;
 
@@ -42,8 +43,9 @@ Way on_ground(const std::vector<Vector2d>& corners) {
 }
 
 const std::vector<Vector2d> kWayOfA = {{0.0, 0.0}, {18.6, 0.0}, {18.6, -30.0}, {90.0, -30.0}, {90.0, -41.0}};
-const std::vector<Vector2d> kWayOfB = {{90.0, -41.0}, {90.0, -23.0}, {82.0, -23.0}, {82.0, 18.0}, {48.0, 18.0},
-                                       {48.0, 12.0},  {3.0, 12.0},   {3.0, 7.0},    {-4.0, 7.0},  {-4.0, 0.5}};
+const std::vector<Vector2d> kWayOfB = {{90.0, -41.0}, {90.0, -23.0}, {82.0, -23.0}, {82.0, 18.0},
+                                       {48.0, 18.0},  {48.0, 12.0},  {3.0, 12.0},   {3.0, 7.0},
+                                       {-4.0, 7.0},   {-4.0, 0.5},   {1.0, 0.5}};
 
 // Where cars stand beside a lane: the middle of the pocket's mouth, and the way in.
 struct Pocket {
@@ -58,7 +60,7 @@ const std::vector<Pocket>& pockets() {
       {{92.5, -36.0}, {1.0, 0.0}},  {{92.5, -25.5}, {1.0, 0.0}},  {{86.5, -14.0}, {1.0, 0.0}},
       {{79.5, -5.0}, {-1.0, 0.0}},  {{86.5, 4.0}, {1.0, 0.0}},    {{72.0, 20.5}, {0.0, 1.0}},
       {{58.0, 15.5}, {0.0, -1.0}},  {{38.0, 14.5}, {0.0, 1.0}},   {{26.0, 9.5}, {0.0, -1.0}},
-      {{14.0, 14.5}, {0.0, 1.0}},   {{-6.0, 4.0}, {-1.0, 0.0}}};
+      {{14.0, 14.5}, {0.0, 1.0}}};
   return kPockets;
 }
 
@@ -78,7 +80,7 @@ FloorPlan lanes() {
   plan.add_corridor({3.0, 12.0}, {3.0, 7.0}, 3.6);
   plan.add_corridor({3.0, 7.0}, {-4.0, 7.0}, 3.6);
   plan.add_passage({-4.0, 8.8}, {-4.0, 0.0}, 3.6);
-  plan.add_passage({8.5, 12.0}, {8.5, 0.0}, 2.0);  // through it b sees where a set out
+  plan.add_passage({8.0, 12.0}, {8.0, 0.0}, 2.0);  // through it b sees where a set out
   for (const Pocket& pocket : pockets()) {
     plan.add_passage(pocket.mouth_m - 0.5 * pocket.in, pocket.mouth_m + kPocketDepth_m * pocket.in, kPocketWidth_m);
   }
@@ -104,13 +106,20 @@ void add_traffic(TriangleWorld& world, Rng& rng) {
     MovingObject object{mesh, {on_ground(from), on_ground(to)}, speed_mps, rng.uniform(0.0, 100.0)};
     world.moving.push_back(std::move(object));
   };
-  send(make_car(rng), {24.0, -32.9}, {84.0, -32.9}, 3.0);
-  send(make_car(rng), {84.0, -32.9}, {24.0, -32.9}, 4.0);
+  send(make_car(rng), {24.0, -32.9}, {79.0, -32.9}, 3.0);
+  send(make_car(rng), {79.0, -32.9}, {24.0, -32.9}, 4.0);
   send(make_car(rng), {85.0, -18.0}, {85.0, 15.0}, 3.5);
   send(make_person(rng), {5.0, -1.6}, {15.0, -1.6}, 1.2);
   send(make_person(rng), {20.2, -5.0}, {20.2, -26.0}, 1.1);
   send(make_person(rng), {30.0, 13.5}, {10.0, 13.5}, 1.3);
   send(make_person(rng), {76.0, 16.4}, {54.0, 16.4}, 1.0);
+}
+
+// Sliding gates keep submaps that the paper does not discuss from seeing the yard where the robots meet, and a's start.
+std::vector<DoorPlace> gates() {
+  return {{.at_m = {84.1, -30.0}, .along = Vector2d::UnitX(), .width_m = 9.0},
+          {.at_m = {85.6, -30.0}, .along = Vector2d::UnitX(), .width_m = 9.0},
+          {.at_m = {-4.0, 2.6}, .along = Vector2d::UnitY(), .width_m = 3.6}};
 }
 
 // The share of a route's scans at which submap `number` (1-based) begins, when one begins every 10 m.
@@ -130,16 +139,20 @@ double share_of_cut(const Scene& scene, std::size_t robot, int number) {
   return static_cast<double>(first) / static_cast<double>(times_s.size() - 1);
 }
 
-// The submap that begins with a slip, and where the slip goes, from the robot's x axis.
+// The submap that begins with a slip, how far the slip goes, and where to, from the robot's x axis.
 struct Slip {
   int robot;
   int submap;
+  double size_m;
   double bearing_rad;
   double yaw_rad;
 };
 
-constexpr std::array<Slip, 5> kSlips = {
-    {{0, 3, 0.75 * kPi, 0.0}, {0, 6, -0.25 * kPi, 0.0}, {0, 13, kPi, 0.015}, {1, 11, 0.0, 0.0}, {1, 16, kPi, 0.015}}};
+constexpr std::array<Slip, 5> kSlips = {{{0, 3, 0.45, 0.5 * kPi, 0.0},
+                                         {0, 6, 0.45, 0.5 * kPi, 0.0},
+                                         {0, 13, 0.3, 0.25 * kPi, 0.015},
+                                         {1, 11, 0.45, 0.33 * kPi, 0.0},
+                                         {1, 16, 0.45, 0.0, 0.015}}};
 
 }  // namespace
 
@@ -153,8 +166,9 @@ Scene make_paper_outdoor(const SceneOptions& options) {
   Rng traffic = part_rng(options, WorldPart::kTraffic);
   add_traffic(scene.world, traffic);
   scene.routes = {{on_ground(kWayOfA), {}, 0.0}, {on_ground(kWayOfB), {}, 0.0}};
-  finish_routes(scene, options, {.speed_mps = 1.2, .corner_radius_m = 1.5, .sensor_height_m = 1.1});
+  finish_routes(scene, options, {.speed_mps = 1.2, .corner_radius_m = 1.5, .sensor_height_m = 1.0});
   scene.routes[1].start_s = 400.0;  // one session after the other
+  hang_doors(gates(), kHedge_m, scene);
   scene.scan_step_m = 0.5;
   scene.keep_range_m = 9.0;
   scene.slam.within_robots = scene.slam.between_robots = false;
@@ -165,7 +179,7 @@ Scene make_paper_outdoor(const SceneOptions& options) {
     scene.faults.push_back({.kind = FaultKind::kSlip,
                             .robot = slip.robot,
                             .at = share_of_cut(scene, static_cast<std::size_t>(slip.robot), slip.submap),
-                            .size_m = 0.45,
+                            .size_m = slip.size_m,
                             .size_rad = slip.yaw_rad,
                             .bearing_rad = slip.bearing_rad,
                             .at_turn = false});

@@ -1,0 +1,116 @@
+// SPDX-FileCopyrightText: The kilter authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "kilter/pipeline/reconsider_pairs.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace kilter {
+namespace {
+
+// Registrations that leave this share of conflict are no witnesses.
+constexpr double kWitnessConflict = 0.05;
+constexpr double kAmbiguous = 0.7;
+constexpr double kHalfAsGood = 0.5;
+
+// Where a pair lies on both journeys, without what it asks for.
+Correction place_of(std::span<const Submap> submaps, const PairEvidence& evidence) {
+  const Submap& source = submaps[static_cast<std::size_t>(evidence.id.source.value)];
+  const Submap& target = submaps[static_cast<std::size_t>(evidence.id.target.value)];
+  Correction correction;
+  correction.id = evidence.id;
+  correction.source_robot = source.robot;
+  correction.target_robot = target.robot;
+  correction.source_path_m = 0.5 * (source.path_start_m + source.path_end_m);
+  correction.target_path_m = 0.5 * (target.path_start_m + target.path_end_m);
+  return correction;
+}
+
+Correction correction_of(std::span<const Submap> submaps, const PairEvidence& evidence) {
+  const RegistrationResult& registration = *evidence.registration;
+  const Pose3& T_world_source = submaps[static_cast<std::size_t>(evidence.id.source.value)].T_world_submap;
+  const Pose3& T_world_target = submaps[static_cast<std::size_t>(evidence.id.target.value)].T_world_submap;
+  Correction correction = place_of(submaps, evidence);
+  correction.T_world_correction = T_world_target * registration.T_target_source * T_world_source.inverse();
+  correction.centre_world_m = T_world_source * (registration.T_target_source.inverse() * registration.centre_target_m);
+  correction.sigma_m = std::sqrt(registration.covariance_centre.topLeftCorner<3, 3>().trace());
+  correction.sigma_rad = std::sqrt(registration.covariance_centre.bottomRightCorner<3, 3>().trace());
+  const bool witness = evidence.registered->conflict.share() <= kWitnessConflict;
+  correction.weight = witness ? 1.0 - registration.ambiguity.value_or(0.0) : 0.0;
+  return correction;
+}
+
+struct Corrections {
+  std::vector<Correction> all;
+  std::vector<std::size_t> pairs;  // whose they are
+  std::vector<Agreement> agreements;
+};
+
+Corrections corrections_of(std::span<const Submap> submaps, std::span<const PairMeasurement> measured,
+                           const AgreementOptions& options) {
+  Corrections corrections;
+  for (std::size_t i = 0; i < measured.size(); ++i) {
+    if (!measured[i].evidence.registered) continue;
+    corrections.all.push_back(correction_of(submaps, measured[i].evidence));
+    corrections.pairs.push_back(i);
+  }
+  corrections.agreements = compare_corrections(corrections.all, options);
+  return corrections;
+}
+
+void store_agreements(const Corrections& corrections, std::vector<PairMeasurement>& measured) {
+  for (std::size_t k = 0; k < corrections.pairs.size(); ++k) {
+    measured[corrections.pairs[k]].evidence.agreement = corrections.agreements[k];
+  }
+}
+
+bool wants_another_try(const PairEvidence& evidence, const CandidatePair& candidate) {
+  if (!evidence.registered) return evidence.overlaps || candidate.predicted_enough;
+  if (!evidence.registration->searched) return false;
+  const bool unclear = evidence.registration->ambiguity.value_or(0.0) > kAmbiguous ||
+                       evidence.registered->conflict.share() > kWitnessConflict;
+  return evidence.agreement.contradicted() || (unclear && evidence.agreement.agreeing == 0);
+}
+
+bool is_worth_keeping(const PairEvidence& found, const PairEvidence& before) {
+  if (!found.registered || found.registered->conflict.share() > kWitnessConflict) return false;
+  const double old_worth = before.registered ? std::max(before.registration->worth, 0.0) : 0.0;
+  return found.registration->worth > kHalfAsGood * old_worth;
+}
+
+}  // namespace
+
+void reconsider_pairs(std::span<const Submap> submaps, const SubmapSearches& searches, const CheckOptions& options,
+                      const RunContext& run, std::vector<PairMeasurement>& measured) {
+  if (options.registration.method == RegistrationMethod::kOicp) return;
+  const AgreementOptions agreement{.drift_per_metre = options.pairing.drift_per_metre};
+  const Corrections first = corrections_of(submaps, measured, agreement);
+  store_agreements(first, measured);
+  struct Try {
+    std::size_t pair;
+    Pose3 T_target_source;
+  };
+  std::vector<Try> tries;
+  for (std::size_t i = 0; i < measured.size(); ++i) {
+    const PairEvidence& evidence = measured[i].evidence;
+    if (!wants_another_try(evidence, measured[i].candidate)) continue;
+    const auto suggested = suggest_correction(first.all, first.agreements, place_of(submaps, evidence), agreement);
+    if (!suggested) continue;
+    const Pose3& T_world_source = submaps[static_cast<std::size_t>(evidence.id.source.value)].T_world_submap;
+    const Pose3& T_world_target = submaps[static_cast<std::size_t>(evidence.id.target.value)].T_world_submap;
+    tries.push_back({i, T_world_target.inverse() * first.all[*suggested].T_world_correction * T_world_source});
+  }
+  std::vector<PairEvidence> found(tries.size());
+  parallel_for(tries.size(), run, [&](std::size_t k) {
+    const PairMeasurement& before = measured[tries[k].pair];
+    found[k] = register_again(submaps, searches, before, tries[k].T_target_source, options);
+  });
+  for (std::size_t k = 0; k < tries.size(); ++k) {
+    PairEvidence& evidence = measured[tries[k].pair].evidence;
+    if (is_worth_keeping(found[k], evidence)) evidence = std::move(found[k]);
+  }
+  store_agreements(corrections_of(submaps, measured, agreement), measured);
+}
+
+}  // namespace kilter

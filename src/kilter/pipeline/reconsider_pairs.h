@@ -1,0 +1,20 @@
+// SPDX-FileCopyrightText: The kilter authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "kilter/base/parallel.h"
+#include "kilter/pipeline/measure_pair.h"
+
+namespace kilter {
+
+/// Holds the registrations against each other: a pair that its neighbours contradict, that fits as well elsewhere, or
+/// that was never registered, is tried again from where its best-supported neighbour would put it, and keeps what it
+/// finds there if that is at least half as good. Leaves in every registered pair how many of its neighbours ask for the
+/// same (`PairEvidence::agreement`). Does nothing to the paper's own registration. Deterministic.
+void reconsider_pairs(std::span<const Submap> submaps, const SubmapSearches& searches, const CheckOptions& options,
+                      const RunContext& run, std::vector<PairMeasurement>& measured);
+
+}  // namespace kilter

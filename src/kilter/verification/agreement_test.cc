@@ -1,0 +1,78 @@
+// SPDX-FileCopyrightText: The kilter authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "kilter/verification/agreement.h"
+
+#include <gtest/gtest.h>
+
+namespace kilter {
+namespace {
+
+// Source i of robot 1 against target i of robot 0, ten metres of journey apart, asking for a shift.
+Correction asking(int i, const Eigen::Vector3d& shift_m) {
+  Correction correction;
+  correction.id = {{10 + i}, {i}};
+  correction.source_robot = 1;
+  correction.source_path_m = 10.0 * i;
+  correction.target_path_m = 10.0 * i;
+  correction.T_world_correction = Pose3::from_translation(shift_m.x(), shift_m.y(), shift_m.z());
+  correction.centre_world_m = {10.0 * i, 0.0, 0.0};
+  correction.sigma_m = 0.02;
+  correction.sigma_rad = 0.002;
+  return correction;
+}
+
+TEST(CompareCorrections, TheOddOneOutIsContradictedAndTheOthersAreNot) {
+  std::vector<Correction> corrections;
+  for (int i = 0; i < 5; ++i) corrections.push_back(asking(i, {3.0, 0.5, 0.0}));
+  corrections[2] = asking(2, {-2.0, 4.0, 0.0});
+  const std::vector<Agreement> agreements = compare_corrections(corrections, {});
+  EXPECT_TRUE(agreements[2].contradicted());
+  EXPECT_EQ(agreements[2].agreeing, 0);
+  for (const std::size_t i : {0U, 1U, 3U, 4U}) {
+    EXPECT_FALSE(agreements[i].contradicted()) << i;
+    EXPECT_GE(agreements[i].agreeing, 1) << i;
+  }
+}
+
+TEST(CompareCorrections, DriftOnTheWayIsAllowedFor) {
+  // 20 m of journey each way may bend by 0.4 m; what they ask for is far more.
+  const std::vector<Correction> corrections = {asking(0, {2.0, 0.0, 0.0}), asking(2, {2.4, 0.0, 0.0})};
+  EXPECT_EQ(compare_corrections(corrections, {})[0].agreeing, 1);
+  EXPECT_EQ(compare_corrections(corrections, {.drift_per_metre = 0.001})[0].contradicting, 1);
+}
+
+TEST(CompareCorrections, OtherRobotsAndFarPiecesSayNothing) {
+  std::vector<Correction> corrections = {asking(0, {2.0, 0.0, 0.0}), asking(1, {0.0, 0.0, 0.0})};
+  corrections[1].source_robot = 2;
+  EXPECT_EQ(compare_corrections(corrections, {})[0].contradicting, 0);
+  corrections[1] = asking(9, {0.0, 0.0, 0.0});
+  EXPECT_EQ(compare_corrections(corrections, {})[0].contradicting, 0);
+}
+
+// A correction whose free direction could hide the difference does not contradict.
+TEST(CompareCorrections, UncertainCorrectionsSayNothing) {
+  std::vector<Correction> corrections = {asking(0, {0.6, 0.0, 0.0}), asking(1, {0.0, 0.0, 0.0})};
+  corrections[1].sigma_m = 1.0;
+  const Agreement agreement = compare_corrections(corrections, {})[0];
+  EXPECT_EQ(agreement.agreeing + agreement.contradicting, 0);
+}
+
+TEST(CompareCorrections, AmbiguousNeighboursAreNotEnoughToContradict) {
+  std::vector<Correction> corrections = {asking(0, {3.0, 0.0, 0.0}), asking(1, {-3.0, 0.0, 0.0})};
+  corrections[1].weight = 0.1;
+  EXPECT_FALSE(compare_corrections(corrections, {})[0].contradicted());
+}
+
+TEST(SuggestCorrection, TakesWhatTheNeighboursAgreeOn) {
+  std::vector<Correction> corrections;
+  for (int i = 0; i < 4; ++i) corrections.push_back(asking(i, {3.0, 0.5, 0.0}));
+  corrections.push_back(asking(4, {-5.0, 0.0, 0.0}));
+  const std::vector<Agreement> agreements = compare_corrections(corrections, {});
+  const auto suggested = suggest_correction(corrections, agreements, corrections[4], {});
+  ASSERT_TRUE(suggested.has_value());
+  EXPECT_NEAR(corrections[*suggested].T_world_correction.translation_m().x(), 3.0, 1e-12);
+  EXPECT_FALSE(suggest_correction({}, {}, corrections[4], {}).has_value());
+}
+
+}  // namespace
+}  // namespace kilter
