@@ -309,7 +309,9 @@ export class PairView {
       reach.push(Math.hypot(p.x, p.y));
     }
     reach.sort((a, b) => a - b);
-    return Math.min(40, Math.max(3, (reach[Math.floor(0.85 * reach.length)] ?? 10) * 1.05));
+    // The source has to be seen before it is moved, too.
+    const offset = this.pair?.offset_m ?? 0;
+    return Math.min(60, Math.max(3, (reach[Math.floor(0.85 * reach.length)] ?? 10) * 1.05 + offset));
   }
 
   private paint(context: CanvasRenderingContext2D, width: number, height: number): void {
