@@ -8,6 +8,7 @@ find_package(tl-expected REQUIRED)
 find_package(Threads REQUIRED)
 find_package(Boost 1.74 REQUIRED)
 find_package(nlohmann_json REQUIRED)
+find_package(ZLIB REQUIRED)
 
 # Not every distribution's liblzf brings a CMake or pkg-config file.
 if(NOT TARGET LZF::LZF)

@@ -7,6 +7,7 @@ The seeds are committed; run this after adding a variant. Same bytes every time.
 """
 import pathlib
 import struct
+import zlib
 
 CORPUS = pathlib.Path(__file__).resolve().parent / "corpus"
 XYZ = [(1.0, 2.0, 3.0), (-4.5, 5.0, 6.25)]
@@ -41,6 +42,27 @@ def ply(form, body, before="", after="", kind="float"):
     return head.encode() + body
 
 
+def archive(json, paths, clouds, pairs):
+    sections = [(b"JSON", json.encode()), (b"PATH", paths), (b"CLDS", clouds), (b"PAIR", pairs)]
+    head = b"\x89KILTER\n" + struct.pack("<II", 1, len(sections))
+    return head + b"".join(tag + struct.pack("<IQ", zlib.crc32(body), len(body)) + body for tag, body in sections)
+
+
+def cloud(points):
+    """Points 1 mm apart along x, nothing else."""
+    low = bytes(i & 255 for i in range(points))
+    empty = bytes(points)
+    return struct.pack("<Q4dI", points, -1, -2, 0, 0.001, points) + low + 6 * empty
+
+
+def pair(source, target, flags, samples):
+    histogram = struct.pack("<dI3Q", 0.01, 3, 4, 0, 2) if flags & 2 else b""
+    parent = struct.pack("<2d", 0.02, 0.03) if flags & 4 else b""
+    both = bytes(samples) * (2 if flags & 1 else 1)
+    return (struct.pack("<II3dIIIB", source, target, 0.5, 0.25, 0, 2, samples, samples, flags) + histogram + parent +
+            both + both)
+
+
 def main():
     text = b"".join(b"%g %g %g\n" % p for p in XYZ)
     little = b"".join(struct.pack("<3f", *p) for p in XYZ)
@@ -48,6 +70,19 @@ def main():
     columns = struct.pack("<6f", *(p[axis] for axis in range(3) for p in XYZ))
     # 4 zeros, then 20 copied from one byte back: a block of two points at the origin.
     back_reference = struct.pack("<II", 8, 24) + bytes([3, 0, 0, 0, 0, (7 << 5) | 0, 11, 0])
+
+    lists = '"robots": [%s], "submaps": [%s], "pairs": [%s]}'
+    start = '{"schema": "kilter.result/1", '
+    way = struct.pack("<3d", 1, 2, 3)
+    write("archive/empty", archive(start + lists % ("", "", ""), struct.pack("<dI", 1, 0), struct.pack("<I", 0),
+                                   struct.pack("<I", 0)))
+    write("archive/pair", archive(start + lists % ("{}, {}", "{}, {}", "{}"),
+                                  struct.pack("<dI", 1, 2) + struct.pack("<I", 1) + way + struct.pack("<I", 0),
+                                  struct.pack("<I", 2) + cloud(3) + cloud(4),
+                                  struct.pack("<I", 1) + pair(1, 0, 7, 2)))
+    write("archive/unregistered", archive(start + lists % ("{}", "{}, {}", "{}"),
+                                          struct.pack("<dII", 1, 1, 0), struct.pack("<I", 2) + cloud(2) + cloud(2),
+                                          struct.pack("<I", 1) + pair(1, 0, 0, 1)))
 
     write("pcd/ascii", pcd("ascii", text))
     write("pcd/binary", pcd("binary", little))

@@ -51,6 +51,20 @@ scripts/packages.txt, then: cmake --workflow --preset release"
   rm -f "$log"
 }
 
+# install_viewer: node and npm, from wherever they come; Debian's where there are none.
+install_viewer() {
+  command -v node >/dev/null && command -v npm >/dev/null || install_packages viewer
+}
+
+# install_browser: a Chromium to test the report with. Ubuntu has none as a package; those tests are skipped then.
+install_browser() {
+  local name
+  for name in chromium chromium-browser google-chrome; do
+    if command -v "$name" >/dev/null; then return 0; fi
+  done
+  if apt-cache show chromium 2>/dev/null | grep -q '^Filename'; then install_packages browser; fi
+}
+
 # build PRESET [TARGET...]: configures and builds build/ or build-PRESET/; quiet unless something goes wrong.
 build() {
   local preset=$1 log status=0

@@ -6,11 +6,11 @@ namespace kilter::testing {
 namespace {
 
 PairResult& add_pair(Result& result, int source, int target) {
-  PairResult pair;
+  PairResult& pair = result.pairs.emplace_back();
   pair.id = {SubmapId{source}, SubmapId{target}};
   const bool one_robot = result.submap(pair.id.source).robot == result.submap(pair.id.target).robot;
   pair.kind = !one_robot ? PairKind::kGlobal : source - target == 1 ? PairKind::kSequential : PairKind::kLocal;
-  return result.pairs.emplace_back(std::move(pair));
+  return pair;
 }
 
 PairScore score(double gamma_per_m3) {

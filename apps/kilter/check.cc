@@ -19,14 +19,18 @@
 #include "apps/kilter/output_folder.h"
 #include "apps/kilter/signals.h"
 #include "apps/kilter/terminal.h"
+#include "kilter/io/archive.h"
 #include "kilter/io/cuts.h"
 #include "kilter/io/file.h"
 #include "kilter/io/mission.h"
 #include "kilter/pipeline/check.h"
+#include "kilter/report/coloured_ply.h"
 #include "kilter/report/constraints_g2o.h"
 #include "kilter/report/map_ply.h"
 #include "kilter/report/matrix_csv.h"
 #include "kilter/report/pairs_csv.h"
+#include "kilter/report/pictures_png.h"
+#include "kilter/report/report_html.h"
 #include "kilter/report/result_json.h"
 #include "kilter/report/summary.h"
 
@@ -93,6 +97,7 @@ Expected<Result> run_job(const CheckCommand& command, const Job& job) {
   run.cancelled = &stop_flag();
   run.memory_bytes = job.memory_bytes;
   run.fuse_maps = command.maps;
+  run.draw_picture = true;
   run.progress = [&progress](std::string_view stage, std::size_t done, std::size_t total) {
     progress.update(stage, done, total);
   };
@@ -133,7 +138,32 @@ RunInfo run_info(const CheckCommand& command) {
           date_now()};
 }
 
-std::vector<OutputFile> output_files(const Result& result, const std::string& json, G2oDialect dialect) {
+std::vector<double> values_of(const std::map<PairId, double>& cells) {
+  std::vector<double> values;
+  values.reserve(cells.size());
+  for (const auto& [id, value] : cells) values.push_back(value);
+  return values;
+}
+
+// What the report is drawn from, the report, and pictures for who has no browser.
+void add_pictures(std::vector<OutputFile>& files, const Result& result, const ConfigEcho& config, double tolerance_m) {
+  std::string archive = archive_bytes({result_json_without_run(result, config), *result.picture});
+  const auto gamma = gamma_matrix(result).entries();
+  const auto theta = theta_matrix(result).entries();
+  const auto verified = verified_matrix(result).entries();
+  std::vector<double> consistency = values_of(gamma);
+  for (const double value : values_of(theta)) consistency.push_back(value);
+  files.push_back({"gamma.png", matrix_png(result, gamma, consistency)});
+  files.push_back({"theta.png", matrix_png(result, theta, consistency)});
+  files.push_back({"verified.png", matrix_png(result, verified, values_of(verified))});
+  files.push_back({"map.png", map_png(result)});
+  files.push_back({"coloured.ply", coloured_ply(result, tolerance_m)});
+  files.push_back({"report.html", report_html(archive)});
+  files.push_back({"result.kilter", std::move(archive)});
+}
+
+std::vector<OutputFile> output_files(const Result& result, const std::string& json, const ConfigEcho& config,
+                                     double tolerance_m) {
   std::vector<OutputFile> files = {
       {"pairs.csv", pairs_csv(result)},
       {"gamma.csv", matrix_csv(result, gamma_matrix(result).entries())},
@@ -144,6 +174,7 @@ std::vector<OutputFile> output_files(const Result& result, const std::string& js
   for (const FusedMap& map : result.maps) {
     files.push_back({std::filesystem::path("maps") / (map.name + ".ply"), map_ply(map, result.robots)});
   }
+  add_pictures(files, result, config, tolerance_m);
   files.push_back({"result.json", json});  // last: who finds a new one finds the rest new as well
   return files;
 }
@@ -191,9 +222,13 @@ int run_check(const CheckCommand& command) {
   const Expected<Result> result = run_job(command, *job);
   if (!result) return print_error(result.error());
   if (stop_flag()) return print_error({ErrorCode::kCancelled, "stopped on request; nothing was written", {}, {}});
-  const std::string json = result_json(*result, config_echo(*job), run_info(command));
+  const ConfigEcho config = config_echo(*job);
+  const std::string json = result_json(*result, config, run_info(command));
   print_notes(command, *result);
-  if (auto done = write_output_folder(command.output_folder, output_files(*result, json, command.g2o_dialect)); !done) {
+  if (auto done = write_output_folder(
+          command.output_folder,
+          output_files(*result, json, config, job->settings.check.judge.tolerance_m, command.g2o_dialect));
+      !done) {
     return refuse_output(done.error());
   }
   if (auto done = present(command, *job, *result, json); !done) return refuse_output(done.error());

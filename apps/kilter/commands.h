@@ -15,6 +15,7 @@ void add_config_command(CLI::App& program, int& status);
 void add_explain_command(CLI::App& program, int& status);
 void add_info_command(CLI::App& program, int& status);
 void add_register_command(CLI::App& program, int& status);
+void add_report_command(CLI::App& program, int& status);
 void add_simulate_command(CLI::App& program, int& status);
 
 }  // namespace kilter::app

@@ -87,6 +87,7 @@ int run(int argc, char** argv) {
   add_check_command(program, status);
   add_info_command(program, status);
   add_register_command(program, status);
+  add_report_command(program, status);
   add_simulate_command(program, status);
   add_config_command(program, status);
   add_explain_command(program, status);

@@ -6,15 +6,16 @@
 #include <array>
 
 namespace kilter {
-namespace {
 
-bool free_with_neighbours(const VoxelMap& map, const VoxelIndex& voxel) {
+bool is_free_with_neighbours(const VoxelMap& map, const VoxelIndex& voxel) {
   if (map.state(voxel) != CellState::kFree) return false;
   static const std::array<VoxelIndex, 6> kFaces = {VoxelIndex(1, 0, 0),  VoxelIndex(-1, 0, 0), VoxelIndex(0, 1, 0),
                                                    VoxelIndex(0, -1, 0), VoxelIndex(0, 0, 1),  VoxelIndex(0, 0, -1)};
   return std::all_of(kFaces.begin(), kFaces.end(),
                      [&](const VoxelIndex& face) { return map.state(voxel + face) == CellState::kFree; });
 }
+
+namespace {
 
 ConflictCount count_conflict(const VoxelMap& surface, const NearestVoxelSearch& space, const Pose3& T_space_surface,
                              double margin_m, std::size_t stride) {
@@ -25,7 +26,7 @@ ConflictCount count_conflict(const VoxelMap& surface, const NearestVoxelSearch& 
   for (std::size_t i = 0; i < surface.voxels().size(); i += stride) {
     const Eigen::Vector3d at_m = T * surface.voxels().centroids_m[i].cast<double>();
     const VoxelIndex voxel = voxel_at(at_m, space.map().resolution_m());
-    const bool free = free_with_neighbours(space.map(), voxel);
+    const bool free = is_free_with_neighbours(space.map(), voxel);
     if (nearest.nearest(at_m, margin_m)) {
       ++count.known;
     } else if (free) {

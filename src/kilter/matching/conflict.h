@@ -32,6 +32,9 @@ struct ConflictSample {
   }
 };
 
+/// The cell and its six neighbours are free: nothing grazed it, nothing stands next to it.
+[[nodiscard]] bool is_free_with_neighbours(const VoxelMap& map, const VoxelIndex& voxel);
+
 /// Counts surface voxels (centroid known to be a surface: probability at least that of one hit) that fall where the
 /// other submap is free: the cell and its six neighbours free, and no surface within `margin_m`. Cells within the
 /// margin of a surface count as known but never as conflict, which leaves out grazing rays and the voxels just before

@@ -8,6 +8,7 @@
 #include <chrono>
 #include <new>
 
+#include "kilter/pipeline/draw_picture.h"
 #include "kilter/pipeline/measure_pair.h"
 #include "kilter/pipeline/reconsider_pairs.h"
 
@@ -70,8 +71,7 @@ Expected<std::vector<Submap>> build_all(const std::vector<RobotLog>& robots, con
 // Measures all candidates and keeps those that are listed; the others are counted.
 std::vector<PairMeasurement> measure_all(const std::vector<Submap>& submaps,
                                          const std::vector<CandidatePair>& candidates, const CheckOptions& options,
-                                         const CheckRun& run, std::size_t& left_out) {
-  const SubmapSearches searches = build_searches(submaps, options, stage_context(run, "search"));
+                                         const SubmapSearches& searches, const CheckRun& run, std::size_t& left_out) {
   std::vector<PairMeasurement> measured(candidates.size());
   parallel_for(candidates.size(), stage_context(run, "pairs"),
                [&](std::size_t i) { measured[i] = measure_pair(submaps, searches, candidates[i], options); });
@@ -150,9 +150,11 @@ Expected<Result> check(const std::vector<RobotLog>& robots, const CheckOptions& 
     candidates = propose_pairs(submaps, options.pairing, stage_context(run, "pairing"));
   }
   std::vector<PairMeasurement> measured;
+  SubmapSearches searches;
   {
     const Stopwatch watch(result.seconds["pairs"]);
-    measured = measure_all(submaps, candidates, options, run, result.too_little_overlap);
+    searches = build_searches(submaps, options, stage_context(run, "search"));
+    measured = measure_all(submaps, candidates, options, searches, run, result.too_little_overlap);
   }
   if (run.cancelled != nullptr && run.cancelled->load()) return stopped();
   const Stopwatch watch(result.seconds["verdicts"]);
@@ -168,6 +170,10 @@ Expected<Result> check(const std::vector<RobotLog>& robots, const CheckOptions& 
     result.pairs.push_back(pair_result(measured[i], judged[i].verdict, options));
   summarise(robots, submaps, result);
   if (run.fuse_maps) fuse_all(submaps, options, result);
+  if (run.draw_picture) {
+    const Stopwatch picture_watch(result.seconds["picture"]);
+    result.picture = draw_picture(robots, submaps, searches, result, options.picture, stage_context(run, "picture"));
+  }
   if (run.cancelled != nullptr && run.cancelled->load()) return stopped();
   return result;
 }

@@ -15,6 +15,7 @@
 #include "kilter/consistency/gamma.h"
 #include "kilter/matching/distances.h"
 #include "kilter/pairing/propose_pairs.h"
+#include "kilter/pipeline/picture.h"
 #include "kilter/pipeline/result.h"
 #include "kilter/registration/registration.h"
 #include "kilter/submap/build_submaps.h"
@@ -31,6 +32,7 @@ struct CheckOptions {
   GammaOptions gamma;
   RegistrationOptions registration;
   JudgeOptions judge;
+  PictureOptions picture;
 };
 
 /// One flat table of all keys, in the order of the stages; each name occurs once. Values that several stages share
@@ -46,6 +48,7 @@ struct CheckRun {
   const std::atomic<bool>* cancelled = nullptr;
   std::size_t memory_bytes = 0;  ///< budget for submaps; 0 = no limit
   bool fuse_maps = false;        ///< --maps
+  bool draw_picture = false;     ///< fill Result::picture
   /// Told (stage, done, total) from any thread, in no promised order; may be empty.
   std::function<void(std::string_view stage, std::size_t done, std::size_t total)> progress = {};
 };

@@ -24,6 +24,7 @@ std::vector<OptionField> fields(CheckOptions& o) {
   append(fields(o.gamma));
   append(fields(o.registration));
   append(fields(o.judge));
+  append(fields(o.picture));
   return all;
 }
 

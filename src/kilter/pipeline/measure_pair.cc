@@ -51,12 +51,20 @@ TwoWaySample sample_both_ways(const PairSearches& pair, const Pose3& T_target_so
           measure_distances(pair.target.map(), pair.source, T_target_source.inverse(), options.matching)};
 }
 
+// Absent when nothing matched.
+std::optional<DistanceHistogram> histogram_of(const TwoWaySample& sample, const CheckOptions& options) {
+  if (sample.forward.matched() == 0) return std::nullopt;
+  auto histogram = histogram_distances(sample.forward.distances_m, options.distribution);
+  return histogram ? std::optional(std::move(*histogram)) : std::nullopt;
+}
+
 PoseEvidence measure_at(const PairSearches& pair, const Pose3& T_target_source, const TwoWaySample& sample,
                         const CheckOptions& options) {
   const double resolution_m = pair.target.map().resolution_m();
   PoseEvidence evidence;
   evidence.matched = sample.matched();
   evidence.overlap = sample.overlap();
+  evidence.histogram = histogram_of(sample, options);
   evidence.mean_distance_m = 0.5 * (sample.forward.mean_euclidean_m + sample.backward.mean_euclidean_m);
   if (sample.passes_gate(options.matching)) {
     const Expected<DistributionFit> fit = fit_distribution(sample.forward.distances_m, options.distribution);
@@ -175,10 +183,7 @@ PairMeasurement measure_pair(std::span<const Submap> submaps, const SubmapSearch
   evidence.map = measure_at(both, evidence.T_target_source, sample, options);
   measurement.matched = sample.forward.matched();
   measurement.overlap = sample.forward.overlap();
-  if (measurement.matched > 0) {
-    auto histogram = histogram_distances(sample.forward.distances_m, options.distribution);
-    if (histogram) measurement.histogram = std::move(*histogram);
-  }
+  measurement.histogram = evidence.map.histogram;
   evidence.overlaps = sample.passes_gate(options.matching);
   if (!evidence.overlaps) {
     measurement.listed = always_listed;
@@ -236,6 +241,7 @@ PairResult pair_result(const PairMeasurement& measurement, const PairVerdict& ve
   result.T_target_source = evidence.T_target_source;
   if (evidence.registered) {
     result.registered_score = evidence.registered->score;
+    result.registered_histogram = evidence.registered->histogram;
     result.T_target_source_registered = evidence.registration->T_target_source;
     result.covariance = evidence.registration->covariance;
     result.trusted = verdict.verdict != Verdict::kUnverified && verdict.rigid;

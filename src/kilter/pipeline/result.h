@@ -12,6 +12,7 @@
 #include "kilter/consistency/distribution.h"
 #include "kilter/consistency/gamma.h"
 #include "kilter/geometry/pose3.h"
+#include "kilter/pipeline/picture.h"
 #include "kilter/submap/fuse_submaps.h"
 #include "kilter/submap/submap.h"
 #include "kilter/verification/verdict.h"
@@ -37,12 +38,13 @@ struct PairResult {
   PairKind kind = PairKind::kSequential;
   double overlap = 0.0;
   std::size_t matched = 0;
-  double max_distance_m = 1.0;                 ///< the paper's d
-  std::optional<DistanceHistogram> histogram;  ///< absent when nothing matched
-  std::optional<PairScore> score;              ///< Gamma's; absent when the gate failed
-  std::optional<PairScore> registered_score;   ///< Theta's; absent when registration failed
-  std::optional<double> theta_oicp_per_m3;     ///< where the paper's registration was run
-  std::optional<double> verified;              ///< Theta - Gamma
+  double max_distance_m = 1.0;                            ///< the paper's d
+  std::optional<DistanceHistogram> histogram;             ///< absent when nothing matched
+  std::optional<DistanceHistogram> registered_histogram;  ///< once registered; absent when registration failed
+  std::optional<PairScore> score;                         ///< Gamma's; absent when the gate failed
+  std::optional<PairScore> registered_score;              ///< Theta's; absent when registration failed
+  std::optional<double> theta_oicp_per_m3;                ///< where the paper's registration was run
+  std::optional<double> verified;                         ///< Theta - Gamma
   PairVerdict verdict;
   Pose3 T_target_source;  ///< as the map has it
   std::optional<Pose3> T_target_source_registered;
@@ -66,6 +68,7 @@ struct Result {
   std::size_t too_little_overlap = 0;  ///< of these, neither measured nor predicted overlap passed the gate: not listed
   MapVerdict system;
   std::vector<FusedMap> maps;
+  std::optional<Picture> picture;         ///< if it was asked for
   std::map<std::string, double> seconds;  ///< by stage; differs from run to run
 
   [[nodiscard]] const SubmapSummary& submap(SubmapId id) const { return submaps[static_cast<std::size_t>(id.value)]; }

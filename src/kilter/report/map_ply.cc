@@ -5,10 +5,12 @@
 #include <bit>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 
 #include <fmt/format.h>
 
 #include "kilter/base/expected.h"
+#include "kilter/report/palette.h"
 
 namespace kilter {
 namespace {
@@ -23,19 +25,6 @@ void append_little_endian(std::string& bytes, Word word) {
 float probability(double log_odds) { return static_cast<float>(1.0 / (1.0 + std::exp(-log_odds))); }
 
 }  // namespace
-
-std::array<std::uint8_t, 3> robot_colour(int robot) {
-  // Chosen by brightness as well as by hue.
-  static constexpr std::array<std::array<std::uint8_t, 3>, 8> kColours = {{{31, 105, 179},
-                                                                           {240, 149, 10},
-                                                                           {16, 150, 110},
-                                                                           {200, 60, 40},
-                                                                           {110, 190, 240},
-                                                                           {140, 80, 160},
-                                                                           {235, 220, 70},
-                                                                           {90, 90, 90}}};
-  return kColours[static_cast<std::size_t>(robot) % kColours.size()];
-}
 
 std::string map_ply(const FusedMap& map, const std::vector<RobotSummary>& robots) {
   std::string bytes =

@@ -2,17 +2,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <array>
-#include <cstdint>
 #include <string>
 #include <vector>
 
 #include "kilter/pipeline/result.h"
 
 namespace kilter {
-
-/// Red, green, blue of a robot; eight colours that people who see few of them can still tell apart, then again.
-[[nodiscard]] std::array<std::uint8_t, 3> robot_colour(int robot);
 
 /// A fused map (Eq. 2-3) as a binary little-endian PLY: a vertex per occupied voxel with double x y z (world frame, as
 /// far from the origin as it is) [m], uchar red green blue by robot, float probability of being occupied. Comments name

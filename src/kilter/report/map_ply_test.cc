@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: The kilter authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "kilter/report/map_ply.h"
+#include "kilter/report/palette.h"
 
 #include <cstring>
 #include <set>

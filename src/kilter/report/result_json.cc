@@ -219,13 +219,15 @@ std::string config_digest(const ConfigEcho& config) {
   return fmt::format("{:016x}", hash);
 }
 
-std::string result_json(const Result& result, const ConfigEcho& config, const RunInfo& run) {
+namespace {
+
+std::string whole_json(const Result& result, const ConfigEcho& config, const RunInfo* run) {
   JsonWriter json;
   json.open_object().field("schema", kResultSchema).field("version", kVersion);
   json.key("config");
   write_config(json, config);
   json.field("config_digest", config_digest(config));
-  write_run(json, result, run);
+  if (run != nullptr) write_run(json, result, *run);
   json.key("robots").open_list();
   for (const RobotSummary& robot : result.robots) write_robot(json, robot);
   json.close().key("submaps").open_list();
@@ -235,6 +237,16 @@ std::string result_json(const Result& result, const ConfigEcho& config, const Ru
   json.close();
   write_system(json, result);
   return json.close().take();
+}
+
+}  // namespace
+
+std::string result_json(const Result& result, const ConfigEcho& config, const RunInfo& run) {
+  return whole_json(result, config, &run);
+}
+
+std::string result_json_without_run(const Result& result, const ConfigEcho& config) {
+  return whole_json(result, config, nullptr);
 }
 
 }  // namespace kilter

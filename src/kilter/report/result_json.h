@@ -44,4 +44,7 @@ struct RunInfo {
 /// Equal results, options and run information give equal bytes. O(pairs).
 [[nodiscard]] std::string result_json(const Result& result, const ConfigEcho& config, const RunInfo& run);
 
+/// The same without the key `run`: equal for every run over the same input, whenever and wherever it was made.
+[[nodiscard]] std::string result_json_without_run(const Result& result, const ConfigEcho& config);
+
 }  // namespace kilter

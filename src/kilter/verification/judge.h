@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "kilter/base/option_table.h"
+#include "kilter/consistency/distribution.h"
 #include "kilter/consistency/gamma.h"
 #include "kilter/matching/conflict.h"
 #include "kilter/registration/registration.h"
@@ -40,6 +41,7 @@ struct PoseEvidence {
   double overlap = 0.0;            ///< the larger of both ways
   double mean_distance_m = 0.0;    ///< mean of d_e over the matched voxels, both ways
   ConflictSample conflict;
+  std::optional<DistanceHistogram> histogram = {};  ///< of the distances, to be shown; absent when nothing matched
 };
 
 /// All that was measured on one pair.

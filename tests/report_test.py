@@ -1,0 +1,67 @@
+# SPDX-FileCopyrightText: The kilter authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""`kilter report` from outside: the same page again, and what it says of files that are no results."""
+
+import struct
+import unittest
+
+from kilter_runner import main, run_kilter
+from tiny_mission import TinyMission
+
+
+class Report(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.tiny = TinyMission()
+        cls.tiny.__enter__()
+        cls.addClassCleanup(cls.tiny.__exit__)
+        cls.out = cls.tiny.folder / "out"
+        run = run_kilter("check", cls.tiny.mission, "-o", cls.out, "--jobs", "1")
+        assert run.status == 1, run.stderr
+
+    def refused(self, source, status, words):
+        page = self.tiny.folder / "refused.html"
+        run = run_kilter("report", source, "-o", page)
+        self.assertEqual(run.status, status, run.stderr)
+        self.assertIn(words, run.stderr)
+        self.assertFalse(page.exists())
+
+    def test_the_page_is_the_same_whenever_and_wherever_it_is_made(self):
+        page = self.tiny.folder / "page.html"
+        self.assertEqual(run_kilter("report", self.out, "-o", page).status, 0)
+        self.assertEqual(page.read_bytes(), (self.out / "report.html").read_bytes())
+        again = self.tiny.folder / "elsewhere"
+        self.assertEqual(run_kilter("check", self.tiny.mission, "-o", again, "--jobs", "2").status, 1)
+        for name in ("report.html", "result.kilter", "gamma.png", "map.png", "coloured.ply"):
+            self.assertEqual((again / name).read_bytes(), (self.out / name).read_bytes(), name)
+
+    def test_the_budget_thins_and_says_so(self):
+        few = self.tiny.folder / "few"
+        run = run_kilter("check", self.tiny.mission, "-o", few, "--set", "report_max_points=1000")
+        self.assertEqual(run.status, 1, run.stderr)
+        self.assertLess((few / "result.kilter").stat().st_size, (self.out / "result.kilter").stat().st_size / 2)
+        self.assertEqual((few / "pairs.csv").read_bytes(), (self.out / "pairs.csv").read_bytes())
+
+    def test_what_is_no_archive_is_named(self):
+        self.refused(self.tiny.folder / "absent", 3, "absent")
+        self.refused(self.out / "result.json", 3, "result.json: expected an archive of kilter")
+        self.refused(self.tiny.mission, 3, "result.kilter")
+
+    def test_a_damaged_archive_is_refused_with_its_place(self):
+        whole = (self.out / "result.kilter").read_bytes()
+        damaged = self.tiny.folder / "damaged.kilter"
+        damaged.write_bytes(whole[: len(whole) // 2])
+        self.refused(damaged, 3, "damaged.kilter")
+        damaged.write_bytes(whole[:-1] + bytes([whole[-1] ^ 1]))
+        self.refused(damaged, 3, "checksum")
+        damaged.write_bytes(whole[:8] + struct.pack("<I", 9) + whole[12:])
+        self.refused(damaged, 3, "archive version 9")
+
+    def test_a_page_that_cannot_be_written_is_an_error_of_output(self):
+        run = run_kilter("report", self.out, "-o", self.out / "result.json" / "page.html")
+        self.assertEqual(run.status, 5, run.stderr)
+        self.assertEqual(run_kilter("report", self.out).status, 2)
+
+
+if __name__ == "__main__":
+    main()

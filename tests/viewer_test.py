@@ -1,0 +1,90 @@
+# SPDX-FileCopyrightText: The kilter authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""The report in a real browser: viewer/test/report_test.mjs clicks, types and looks; here its lines become tests.
+
+Needs node, viewer/node_modules and a Chromium; without one of them all is skipped. Screenshots are left in the build
+folder, viewer-shots/, to be looked at.
+"""
+
+import json
+import os
+import shutil
+import subprocess
+import tempfile
+import unittest
+from pathlib import Path
+
+from kilter_runner import SOURCE_DIR, kilter_binary, main, run_kilter
+from tiny_mission import TinyMission
+
+HOSTILE = ("<img src=x onerror=alert(1)>", "\"'><b>&amp;%2F#")
+
+
+def missing():
+    """What the browser tests lack, in words, or None."""
+    if shutil.which("node") is None:
+        return "node is not installed"
+    if not (SOURCE_DIR / "viewer/node_modules/playwright-core").is_dir():
+        return "viewer/node_modules is not there: npm ci in viewer/"
+    places = [os.environ.get("KILTER_CHROMIUM"), "/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome"]
+    if not any(place and Path(place).exists() for place in places):
+        return "no Chromium is installed (Debian: chromium); KILTER_CHROMIUM names one elsewhere"
+    return None
+
+
+@unittest.skipIf(missing(), missing())
+class Viewer(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        folder = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(folder.cleanup)
+        cls.folder = Path(folder.name)
+        cls.shots = kilter_binary().parent / "viewer-shots"
+        shutil.rmtree(cls.shots, ignore_errors=True)
+
+    def check(self, mission, name):
+        run = run_kilter("check", mission, "-o", self.folder / name, "--fail-on", "never", timeout_s=300)
+        self.assertEqual(run.status, 0, run.stderr)
+        return self.folder / name / "report.html"
+
+    def simulated(self):
+        """A report of the simulated office, or of the tiny mission where the simulator was not built."""
+        made = run_kilter("simulate", "office", "--scale", "0.6", "-o", self.folder / "office", timeout_s=300)
+        if made.status == 0:
+            return self.check(self.folder / "office/mission", "out")
+        with TinyMission() as tiny:
+            return self.check(tiny.mission, "out")
+
+    def hostile(self):
+        """A report of robots whose names are meant to do harm."""
+        with TinyMission() as tiny:
+            for robot, name in zip("ab", HOSTILE):
+                shutil.move(tiny.mission / robot, tiny.mission / name)
+            return self.check(tiny.mission, "hostile")
+
+    def test_the_report_does_what_it_shows(self):
+        report = self.simulated()
+        if b"built without its viewer" in report.read_bytes():
+            self.skipTest("kilter was built without its viewer")
+        script = SOURCE_DIR / "viewer/test/report_test.mjs"
+        done = subprocess.run(["node", script, report, self.hostile(), self.shots], capture_output=True, text=True,
+                              timeout=540, check=False)
+        lines = [json.loads(line) for line in done.stdout.splitlines()]
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertGreaterEqual(len(lines), 12)
+        for line in lines:
+            with self.subTest(line["name"]):
+                self.assertTrue(line["ok"], line["error"])
+
+    def test_the_report_command_writes_the_same_bytes(self):
+        with TinyMission() as tiny:
+            report = self.check(tiny.mission, "again")
+        out = self.folder / "again.html"
+        for source in (report.parent, report.parent / "result.kilter"):
+            run = run_kilter("report", source, "-o", out)
+            self.assertEqual(run.status, 0, run.stderr)
+            self.assertEqual(out.read_bytes(), report.read_bytes())
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,3 @@
+// SPDX-FileCopyrightText: The kilter authors
+// SPDX-License-Identifier: BSD-3-Clause
+declare module "*.css";

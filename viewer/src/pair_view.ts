@@ -1,0 +1,397 @@
+// SPDX-FileCopyrightText: The kilter authors
+// SPDX-License-Identifier: BSD-3-Clause
+// The two submaps of a pair on top of each other, as the map has them and as registration would.
+import { Matrix4, Quaternion, Vector3 } from "three";
+import { kNothing, kSteps, kThrough, type Cloud, type Pair, type PairPicture, type Samples } from "./archive.js";
+import { belowColour, css, scaleColour, sourceColour, targetColour, verdictColour } from "./colours.js";
+import { byId, choice, element } from "./dom.js";
+import { CloudPoints, evenOrder, halo, Pane, themed } from "./scene.js";
+import { shortened } from "./map_view.js";
+import type { State } from "./state.js";
+import { rotation, translation } from "./words.js";
+
+type Colouring = "submap" | "distance" | "conflict";
+
+const kUnit = new Vector3(1, 1, 1);
+const kSlice = [-0.7, 0.9] as const;
+const kEverything = [-1e9, 1e9] as const;
+
+interface Side {
+  cloud: CloudPoints;
+  sampled: CloudPoints; // those points whose distances are known
+  samples: Samples;
+}
+
+export class PairView {
+  readonly pane = new Pane("both submaps of the selected pair", false);
+  private readonly slider: HTMLInputElement;
+  private readonly title = element("h2", {});
+  private readonly note = element("span", { class: "legend" });
+  private colouring: Colouring = "submap";
+  private walls = true;
+  private target: Side | null = null;
+  private source: Side | null = null;
+  private playing = 0;
+  readonly chooseColours: (value: Colouring) => void;
+
+  constructor(private readonly state: State) {
+    this.slider = element("input", {
+      type: "range",
+      min: "0",
+      max: "1",
+      step: "0.01",
+      value: "0",
+      id: "slider",
+      label: "from the map's pose to the registered one",
+      on: { input: () => this.moved() },
+    });
+    const colours = choice<Colouring>(
+      "colour points by",
+      [
+        ["submap", "submap"],
+        ["distance", "distance", "how far each point is from the other submap's nearest surface"],
+        ["conflict", "free space", "surfaces that stand where the other submap saw through"],
+      ],
+      "submap",
+      (value) => {
+        this.colouring = value;
+        this.pane.root.dataset["colouring"] = value;
+        this.recolour();
+      },
+    );
+    this.chooseColours = colours.set;
+    const slice = choice<"walls" | "all">(
+      "which points",
+      [
+        ["walls", "walls", "only what is about as high as the sensor"],
+        ["all", "everything"],
+      ],
+      "walls",
+      (value) => {
+        this.walls = value === "walls";
+        this.recolour();
+      },
+    );
+    byId("pair").replaceChildren(
+      this.title,
+      element("div", { class: "bar" }, colours.root, slice.root),
+      this.pane.root,
+      element(
+        "div",
+        { class: "bar slider" },
+        element("button", { type: "button", class: "end", title: "key m", on: { click: () => this.set(0) } }, "as in the map"),
+        this.slider,
+        element("button", { type: "button", class: "end", title: "key r", on: { click: () => this.set(1) } }, "after registration"),
+        element("button", { type: "button", title: "key p", on: { click: () => this.play() } }, "play"),
+      ),
+      element("div", { class: "bar" }, this.note),
+    );
+    this.pane.paint = (context, width, height) => this.paint(context, width, height);
+    state.on("selection", () => this.load());
+    const themeChanged = () => {
+      this.pane.background(themed("--canvas"));
+      this.pane.render();
+    };
+    state.on("theme", themeChanged);
+    themeChanged();
+    this.load();
+  }
+
+  private get pair(): Pair | null {
+    return this.state.pairs[this.state.selected] ?? null;
+  }
+  private get picture(): PairPicture | null {
+    return this.state.archive.pairs[this.state.selected] ?? null;
+  }
+
+  /** 0 = as in the map, 1 = after registration. */
+  get alpha(): number {
+    return Number(this.slider.value);
+  }
+
+  set(alpha: number): void {
+    this.slider.value = String(alpha);
+    this.moved();
+  }
+
+  play(): void {
+    const run = ++this.playing;
+    const start = performance.now();
+    const step = () => {
+      const t = (performance.now() - start) / 1200;
+      if (run !== this.playing) return;
+      this.set(t >= 4 ? 0 : (1 - Math.cos(Math.PI * Math.min(t, 4))) / 2);
+      if (t < 4) requestAnimationFrame(step);
+    };
+    requestAnimationFrame(step);
+  }
+
+  /** Where a source point lies in the pane's world; tests read it while the slider moves. */
+  sourcePoint(i: number): [number, number, number] {
+    if (!this.source) return [0, 0, 0];
+    const p = new Vector3().fromArray(this.source.cloud.positions, 3 * i).applyMatrix4(this.source.cloud.points.matrix);
+    return [p.x, p.y, p.z];
+  }
+
+  private clear(): void {
+    for (const side of [this.source, this.target]) {
+      if (!side) continue;
+      for (const points of [side.cloud, side.sampled]) {
+        this.pane.scene.remove(points.points);
+        points.dispose();
+      }
+    }
+    this.source = this.target = null;
+    this.pane.clouds = [];
+  }
+
+  private side(cloud: Cloud, stride: number, samples: Samples, world: Quaternion): Side {
+    const p = new Vector3();
+    const points = (order: Uint32Array, every: number): CloudPoints => {
+      const positions = new Float32Array(3 * order.length);
+      const heights = new Float32Array(order.length);
+      order.forEach((from, to) => {
+        p.fromArray(cloud.points, 3 * from * every).toArray(positions, 3 * to);
+        heights[to] = p.applyQuaternion(world).z;
+      });
+      return new CloudPoints(positions, heights);
+    };
+    const order = evenOrder(samples.before.length);
+    const ordered = (bytes: Uint8Array) => (bytes.length === 0 ? bytes : Uint8Array.from(order, (from) => bytes[from]!));
+    const side = {
+      cloud: points(evenOrder(cloud.points.length / 3), 1),
+      sampled: points(order, stride),
+      samples: { before: ordered(samples.before), after: ordered(samples.after) },
+    };
+    for (const shown of [side.cloud, side.sampled]) this.pane.scene.add(shown.points);
+    return side;
+  }
+
+  private load(): void {
+    this.clear();
+    this.playing++;
+    this.slider.value = "0";
+    const { pair, picture } = this;
+    this.slider.disabled = !pair?.T_target_source_registered;
+    if (!pair || !picture) {
+      this.title.replaceChildren("No pair selected");
+      this.pane.render();
+      return;
+    }
+    const archive = this.state.archive;
+    const submaps = archive.result.submaps;
+    const swatch = (colour: string) => {
+      const mark = element("i", { class: "swatch" });
+      mark.style.background = colour;
+      return mark;
+    };
+    this.title.replaceChildren(
+      "Pair ",
+      swatch(css(targetColour)),
+      pair.target,
+      " and ",
+      swatch(css(sourceColour)),
+      pair.source,
+      " ",
+      element("span", { class: `verdict ${pair.verdict}` }, pair.verdict),
+    );
+    this.target = this.side(archive.clouds[picture.target]!, picture.stride, picture.targetSamples, rotation(submaps[picture.target]!.T_world_submap));
+    this.source = this.side(archive.clouds[picture.source]!, picture.stride, picture.sourceSamples, rotation(submaps[picture.source]!.T_world_submap));
+    this.place();
+    this.recolour();
+    this.frame();
+  }
+
+  private worldTarget(): Matrix4 {
+    const pose = this.state.archive.result.submaps[this.picture!.target]!.T_world_submap;
+    return new Matrix4().compose(translation(pose).sub(new Vector3(...this.picture!.centre)), rotation(pose), kUnit);
+  }
+
+  private place(): void {
+    const { pair, source, target } = this;
+    if (!pair || !source || !target) return;
+    const world = this.worldTarget();
+    const from = pair.T_target_source;
+    const to = pair.T_target_source_registered ?? from;
+    const between = new Matrix4().compose(
+      translation(from).lerp(translation(to), this.alpha),
+      rotation(from).slerp(rotation(to), this.alpha),
+      kUnit,
+    );
+    const moved = world.clone().multiply(between);
+    for (const points of [target.cloud, target.sampled]) points.move(world);
+    for (const points of [source.cloud, source.sampled]) points.move(moved);
+  }
+
+  private moved(): void {
+    this.place();
+    if (this.colouring !== "submap") this.recolour();
+    this.pane.render();
+  }
+
+  private recolour(): void {
+    const { source, target } = this;
+    if (!source || !target) return;
+    const after = this.alpha > 0.5 && source.samples.after.length > 0;
+    const plain = this.colouring === "submap";
+    const sides: [Side, readonly [number, number, number]][] = [
+      [target, targetColour],
+      [source, sourceColour],
+    ];
+    let through = 0;
+    for (const [side, own] of sides) {
+      const bytes = after ? side.samples.after : side.samples.before;
+      side.cloud.points.visible = plain;
+      side.sampled.points.visible = !plain;
+      const [low, high] = this.walls ? kSlice : kEverything;
+      side.cloud.slice(low, high);
+      side.sampled.slice(low, high);
+      side.cloud.size(2);
+      side.sampled.size(3);
+      const paint = (out: Uint8Array, at: number, colour: readonly [number, number, number]) => {
+        out[at] = colour[0];
+        out[at + 1] = colour[1];
+        out[at + 2] = colour[2];
+      };
+      if (plain) side.cloud.colour((_, out, at) => paint(out, at, own));
+      else {
+        const bad = verdictColour("inconsistent");
+        side.sampled.colour((k, out, at) => {
+          const byte = bytes[k]!;
+          const steps = byte & kNothing;
+          if (byte & kThrough) through++;
+          if (this.colouring === "conflict") paint(out, at, byte & kThrough ? bad : belowColour());
+          else paint(out, at, steps === kNothing ? belowColour() : scaleColour(steps / kSteps));
+        });
+      }
+    }
+    const d = this.pair?.d ?? 1;
+    const known = source.samples.before.length > 0;
+    this.note.replaceChildren(
+      plain
+        ? "drag to turn, wheel to zoom; walls that stand twice meet when the slider goes right"
+        : !known
+          ? "this pair overlaps too little: no distances were measured"
+          : this.colouring === "distance"
+            ? `dark: the other surface is here; bright: ${d} m away; grey: nothing within ${d} m (${after ? "after registration" : "as in the map"})`
+            : `${through} of ${bytesOf(source) + bytesOf(target)} points stand where the other submap saw through (${after ? "after registration" : "as in the map"})`,
+    );
+    this.pane.clouds = sides.map(([side]) => (plain ? side.cloud : side.sampled));
+    this.pane.render();
+  }
+
+  /** From above, or from the side if what is wrong is mostly a matter of height. */
+  private frame(): void {
+    const { pair, picture } = this;
+    if (!pair || !picture || !this.target) return;
+    const shift = new Vector3(...(pair.offset_vector ?? [0, 0, 0])).applyQuaternion(
+      rotation(this.state.archive.result.submaps[picture.target]!.T_world_submap),
+    );
+    const flat = Math.abs(shift.z) <= Math.hypot(shift.x, shift.y);
+    const direction = flat ? new Vector3(0, -1e-4, 1) : new Vector3(-shift.y || 0.3, shift.x || -1, 0.05);
+    this.pane.look(new Vector3(), this.reach(), direction);
+  }
+
+  /** Half the width of what both saw. */
+  private reach(): number {
+    const { target, picture } = this;
+    if (!target || !picture) return 10;
+    const bytes = target.samples.after.length > 0 ? target.samples.after : target.samples.before;
+    const world = this.worldTarget();
+    const p = new Vector3();
+    const reach: number[] = [];
+    const every = bytes.length > 0 ? 1 : 7;
+    const count = bytes.length > 0 ? bytes.length : target.cloud.count;
+    const positions = bytes.length > 0 ? target.sampled.positions : target.cloud.positions;
+    for (let k = 0; k < count; k += every) {
+      if (bytes.length > 0 && (bytes[k]! & kNothing) === kNothing) continue;
+      p.fromArray(positions, 3 * k).applyMatrix4(world);
+      reach.push(Math.hypot(p.x, p.y));
+    }
+    reach.sort((a, b) => a - b);
+    // The source has to be seen before it is moved, too.
+    const offset = this.pair?.offset_m ?? 0;
+    return Math.min(60, Math.max(3, (reach[Math.floor(0.85 * reach.length)] ?? 10) * 1.05 + offset));
+  }
+
+  private paint(context: CanvasRenderingContext2D, width: number, height: number): void {
+    const ink = themed("--ink");
+    const paper = themed("--canvas");
+    const { pair, picture } = this;
+    if (!pair || !picture) return;
+    this.paintUnobservable(context, width, height, ink, paper);
+    const archive = this.state.archive;
+    context.font = "bold 12px system-ui, sans-serif";
+    context.textAlign = "center";
+    const world = this.worldTarget();
+    const nodes: [number, Vector3, string][] = [
+      [picture.target, new Vector3().applyMatrix4(world), css(targetColour)],
+      [picture.source, new Vector3(...(this.source ? this.origin() : [0, 0, 0])), css(sourceColour)],
+    ];
+    for (const [submap, at, colour] of nodes) {
+      const where = this.pane.project(at, width, height);
+      context.fillStyle = colour;
+      context.strokeStyle = paper;
+      context.lineWidth = 2;
+      context.beginPath();
+      context.arc(where.x, where.y, 6, 0, 7);
+      context.fill();
+      context.stroke();
+      const above = submap === picture.target; // two names at one place must not cover each other
+      context.textBaseline = above ? "bottom" : "top";
+      halo(context, `start of ${shortened(archive.result.submaps[submap]!.id)}`, where.x, where.y + (above ? -8 : 8), ink, paper);
+    }
+    this.pane.scaleBar(context, width, height, ink);
+  }
+
+  private origin(): [number, number, number] {
+    const p = new Vector3().applyMatrix4(this.source!.cloud.points.matrix);
+    return [p.x, p.y, p.z];
+  }
+
+  private paintUnobservable(context: CanvasRenderingContext2D, width: number, height: number, ink: string, paper: string): void {
+    const { pair, picture } = this;
+    const q = rotation(this.state.archive.result.submaps[picture!.target]!.T_world_submap);
+    const reach = 0.35 * Math.min(width, height) * this.pane.metresPerPixel(height);
+    let line = 0;
+    for (const twist of pair!.unobservable ?? []) {
+      const slide = new Vector3(twist[0], twist[1], twist[2]);
+      const turn = new Vector3(twist[3], twist[4], twist[5]);
+      const slides = slide.length() >= turn.length();
+      const axis = (slides ? slide : turn).normalize().applyQuaternion(q);
+      const a = this.pane.project(axis.clone().multiplyScalar(-reach), width, height);
+      const b = this.pane.project(axis.clone().multiplyScalar(reach), width, height);
+      context.setLineDash([8, 5]);
+      context.lineWidth = 6;
+      context.strokeStyle = paper;
+      const stroke = () => {
+        context.beginPath();
+        context.moveTo(a.x, a.y);
+        context.lineTo(b.x, b.y);
+        context.stroke();
+      };
+      stroke();
+      context.lineWidth = 2.5;
+      context.strokeStyle = ink;
+      stroke();
+      context.setLineDash([]);
+      context.font = "12px system-ui, sans-serif";
+      context.textAlign = "center";
+      context.textBaseline = "bottom";
+      const text = slides ? "nothing here fixes this direction" : "nothing here fixes turning about this axis";
+      if (Math.hypot(a.x - b.x, a.y - b.y) < 24) {
+        // Seen end on.
+        context.strokeStyle = ink;
+        context.beginPath();
+        context.arc(a.x, a.y, 9, 0, 7);
+        context.stroke();
+      }
+      const end = a.y < b.y ? a : b;
+      const half = context.measureText(text).width / 2 + 6;
+      const x = Math.min(width - half, Math.max(half, end.x));
+      halo(context, text, x, Math.max(18, end.y - 12) + 16 * line++, ink, paper);
+    }
+  }
+}
+
+const bytesOf = (side: Side): number => side.samples.before.length;

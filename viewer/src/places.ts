@@ -1,0 +1,109 @@
+// SPDX-FileCopyrightText: The kilter authors
+// SPDX-License-Identifier: BSD-3-Clause
+// The worst places first: pairs that disagree at one place make one entry.
+import type { Archive } from "./archive.js";
+import { byId, element } from "./dom.js";
+import type { State } from "./state.js";
+import { action, centimetres, degrees, kindInWords, parts, probability, shift } from "./words.js";
+
+export interface Place {
+  /** Its worst pair, and all of them. */
+  pair: number;
+  pairs: number[];
+}
+
+/** How near the centres of two pairs are for one place. [m] */
+const kNear = 8;
+const kShown = 12;
+const kOthers = 5;
+
+export function worstPlaces(archive: Archive): Place[] {
+  const pairs = archive.result.pairs;
+  const robots = (n: number): string => {
+    const picture = archive.pairs[n]!;
+    return [picture.source, picture.target].map((s) => archive.result.submaps[s]!.robot).join("\n");
+  };
+  const bad = pairs.map((_, n) => n).filter((n) => pairs[n]!.verdict === "inconsistent");
+  bad.sort((a, b) => (pairs[b]!.offset_m ?? 0) - (pairs[a]!.offset_m ?? 0) || a - b);
+  const places: Place[] = [];
+  for (const n of bad) {
+    const [x, y, z] = archive.pairs[n]!.centre;
+    const near = places.find((place) => {
+      const [px, py, pz] = archive.pairs[place.pair]!.centre;
+      return Math.hypot(px - x, py - y, pz - z) < kNear && robots(place.pair) === robots(n);
+    });
+    if (near) near.pairs.push(n);
+    else places.push({ pair: n, pairs: [n] });
+  }
+  return places;
+}
+
+function card(state: State, place: Place, sign: string): HTMLElement {
+  const pair = state.pairs[place.pair]!;
+  const more = place.pairs.length - 1;
+  const offset = [centimetres(pair.offset_m), degrees(pair)].filter((text) => text !== "").join(", ");
+  const moves = shift(parts(state.archive, place.pair));
+  return element(
+    "button",
+    {
+      type: "button",
+      class: `place ${pair.verdict}`,
+      data: { pair: String(place.pair) },
+      on: { click: () => state.select(place.pair) },
+    },
+    element("span", { class: `rank ${pair.verdict}` }, sign),
+    element(
+      "span",
+      { class: "what" },
+      element("b", {}, pair.offset_m === null ? "offset unknown" : `${offset} apart`),
+      ` ${pair.target} and ${pair.source}`,
+      element("small", {}, `${kindInWords[pair.kind]}; ${probability(pair.p_inconsistent)}`),
+      moves === "" ? null : element("small", { class: "more" }, `${pair.source} would fit if moved ${moves}`),
+      element("small", { class: "action more" }, action(state.archive, place.pair)),
+      more === 0 ? null : element("small", { class: "more" }, `${more} more pair${more === 1 ? "" : "s"} of these robots disagree here`),
+    ),
+  );
+}
+
+/** Where nothing is wrong: what could not be decided, and the largest of what is small enough. */
+function others(state: State): HTMLElement[] {
+  const sections: HTMLElement[] = [];
+  const add = (title: string, verdict: string, sign: string) => {
+    const numbers = state.pairs.map((_, n) => n).filter((n) => state.pairs[n]!.verdict === verdict);
+    numbers.sort((a, b) => (state.pairs[b]!.offset_m ?? -1) - (state.pairs[a]!.offset_m ?? -1) || a - b);
+    if (numbers.length === 0) return;
+    sections.push(element("h3", {}, numbers.length > kOthers ? `${title} (${kOthers} of ${numbers.length})` : title));
+    for (const n of numbers.slice(0, kOthers)) sections.push(card(state, { pair: n, pairs: [n] }, sign));
+  };
+  add("Not decided", "unverified", "?");
+  add("Largest offsets that you can live with", "consistent", "✓");
+  return sections;
+}
+
+export function showPlaces(state: State, places: Place[]): void {
+  const root = byId("places");
+  const undecided = state.pairs.filter((pair) => pair.verdict === "unverified").length;
+  const title =
+    places.length === 0 ? "No place is known to be wrong" : places.length === 1 ? "The one wrong place" : "Worst places first";
+  const list = element("div", { class: "list" }, ...places.slice(0, kShown).map((place, i) => card(state, place, String(i + 1))));
+  if (places.length > kShown) {
+    list.append(element("p", { class: "quiet" }, `${places.length - kShown} smaller ones are in the table below.`));
+  }
+  if (places.length === 0) list.append(...others(state));
+  else if (undecided > 0) {
+    list.append(
+      element("p", { class: "quiet" }, `${undecided} pair${undecided === 1 ? " was" : "s were"} not decided; the table says why.`),
+    );
+  }
+  root.replaceChildren(element("h2", {}, title), list);
+  const mark = () => {
+    for (const button of root.querySelectorAll<HTMLElement>(".place")) {
+      const number = Number(button.dataset["pair"]);
+      const place = places.find((candidate) => candidate.pair === number);
+      button.classList.toggle("selected", number === state.selected);
+      button.classList.toggle("holds", place !== undefined && place.pairs.includes(state.selected));
+      if (number === state.selected) button.scrollIntoView({ block: "nearest" });
+    }
+  };
+  state.on("selection", mark);
+}

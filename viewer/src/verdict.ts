@@ -1,0 +1,78 @@
+// SPDX-FileCopyrightText: The kilter authors
+// SPDX-License-Identifier: BSD-3-Clause
+// The answer, before anything else.
+import type { Kind, Result, Verdict } from "./archive.js";
+import { byId, element } from "./dom.js";
+import { centimetres } from "./words.js";
+
+const kKinds: [Kind, string][] = [
+  ["sequential", "one after the other"],
+  ["local", "same robot, again"],
+  ["global", "two robots"],
+];
+const kVerdicts: Verdict[] = ["consistent", "inconsistent", "unverified"];
+
+const kHeadline = {
+  consistent: ["✓", "Consistent", "this map agrees with itself"],
+  inconsistent: ["✗", "Inconsistent", "this map contradicts itself"],
+  undetermined: ["?", "Undetermined", "too little could be decided"],
+} as const;
+
+function certificate(result: Result): string {
+  const { certificate_m, certificate_excludes } = result.system;
+  if (certificate_m === null) return "Nothing can be certified about the whole map at 95 %.";
+  let text = `Certified at 95 %: consistent to ${certificate_m.toFixed(2)} m`;
+  const count = certificate_excludes.length;
+  if (count > 0) {
+    const [target, source] = certificate_excludes[0]!;
+    text += `, except for ${count} overlapping pair${count === 1 ? "" : "s"} (${target} with ${source}${count > 1 ? ", ..." : ""}) of which nothing can be said`;
+  }
+  return `${text}.`;
+}
+
+function decided(result: Result): string {
+  const { sequential, local, global } = result.system.decided;
+  const shares: string[] = [];
+  const add = (name: string, share: number | null) => {
+    if (share !== null) shares.push(`${name} ${Math.round(100 * share)} %`);
+  };
+  add("one after the other", sequential);
+  add("same robot again", local);
+  for (const [robots, share] of Object.entries(global)) add(robots.replace(",", " with "), share);
+  return shares.length === 0 ? "" : `Of what overlaps was decided: ${shares.join(", ")}.`;
+}
+
+function counts(result: Result): HTMLElement {
+  const rows = kKinds.flatMap(([kind, words]) => {
+    const own = result.pairs.filter((pair) => pair.kind === kind);
+    if (own.length === 0) return [];
+    const cells = kVerdicts.map((verdict) =>
+      element("td", { class: verdict }, String(own.filter((pair) => pair.verdict === verdict).length)),
+    );
+    return [element("tr", {}, element("th", { title: kind }, words), ...cells)];
+  });
+  const head = element("tr", {}, element("th", {}, "pairs"), ...kVerdicts.map((verdict) => element("th", {}, verdict)));
+  return element("table", { class: "counts" }, head, ...rows);
+}
+
+const sentence = (text: string): string => text.charAt(0).toUpperCase() + text.slice(1);
+
+export function showVerdict(result: Result): void {
+  const [sign, word, meaning] = kHeadline[result.system.verdict];
+  const tolerance = Number(result.config["tolerance"]);
+  const robots = result.robots.map((robot) => `${robot.name} (${robot.submaps} pieces, ${Math.round(robot.path_length_m)} m)`);
+  const left = result.system.too_little_overlap;
+  byId("verdict").className = result.system.verdict;
+  byId("verdict").replaceChildren(
+    element("div", { class: "word" }, element("span", { class: "sign" }, sign), element("h1", {}, word), element("small", {}, meaning)),
+    element(
+      "div",
+      { class: "why" },
+      element("p", {}, element("b", {}, `${sentence(result.system.reason)}.`), ` What you can live with: ${centimetres(tolerance)}.`),
+      element("p", {}, certificate(result)),
+      element("p", { class: "quiet" }, `${decided(result)} Robots: ${robots.join(", ")}.${left > 0 ? ` ${left} more pairs overlap too little to be tested.` : ""}`),
+    ),
+    counts(result),
+  );
+  document.title = `kilter: ${word.toLowerCase()}`;
+}

@@ -1,0 +1,315 @@
+// SPDX-FileCopyrightText: The kilter authors
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// node report_test.mjs REPORT.html HOSTILE.html FOLDER: uses a report as a person would, and one whose robots have
+// hostile names. Prints a line of JSON per test; screenshots go to FOLDER. tests/viewer_test.py runs it.
+import assert from "node:assert/strict";
+import { mkdirSync } from "node:fs";
+import { join } from "node:path";
+import { launch, open } from "./browser.mjs";
+
+const [report, hostile, folder] = process.argv.slice(2);
+mkdirSync(folder, { recursive: true });
+const browser = await launch();
+
+async function test(name, options, body) {
+  let error = null;
+  const opened = await open(browser, options.file ?? report, options);
+  try {
+    await body(opened.page, opened);
+    assert.deepEqual(opened.complaints, [], "the browser complained");
+    assert.deepEqual(opened.requests, [], "the page asked the network");
+  } catch (caught) {
+    error = String(caught.stack ?? caught);
+    await opened.page.screenshot({ path: join(folder, `failed-${name.replaceAll(/\W+/g, "-")}.png`) }).catch(() => undefined);
+  }
+  await opened.context.close();
+  console.log(JSON.stringify({ name, ok: error === null, error }));
+}
+
+const selected = (page) => page.evaluate(() => window.kilter.state.selected);
+const frame = (page) => page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
+
+/** What every view says is selected. */
+async function everywhere(page, pair) {
+  await frame(page);
+  const seen = await page.evaluate(() => {
+    const state = window.kilter.state;
+    return {
+      state: state.selected,
+      names: [state.pairs[state.selected].target, state.pairs[state.selected].source],
+      fragment: decodeURIComponent(location.hash),
+      title: document.querySelector("#pair h2").textContent,
+      rows: [...document.querySelectorAll("#table tr.selected")].map((row) => Number(row.dataset.pair)),
+      details: document.querySelector("#details").textContent,
+      reason: state.pairs[state.selected].reason,
+    };
+  });
+  assert.equal(seen.state, pair);
+  const [target, source] = seen.names;
+  assert.equal(seen.fragment, `#pair=${source},${target}`);
+  assert.ok(seen.title.includes(target) && seen.title.includes(source), seen.title);
+  assert.deepEqual(seen.rows, [pair]);
+  assert.ok(seen.details.includes(seen.reason));
+}
+
+/** Share of a canvas's pixels that differ from its commonest colour, and a number that changes with what is drawn. */
+async function painted(page, selector) {
+  // What was asked for is drawn with the next frame, and once more in full when movement has ended.
+  await frame(page);
+  await page.waitForTimeout(300);
+  await frame(page);
+  return page.evaluate((selector) => {
+    const canvas = document.querySelector(selector);
+    const copy = new OffscreenCanvas(canvas.width, canvas.height);
+    const context = copy.getContext("2d");
+    context.drawImage(canvas, 0, 0);
+    const words = new Uint32Array(context.getImageData(0, 0, canvas.width, canvas.height).data.buffer);
+    const counts = new Map();
+    let hash = 0;
+    for (const word of words) {
+      counts.set(word, (counts.get(word) ?? 0) + 1);
+      hash = (Math.imul(hash, 31) + word) | 0;
+    }
+    return { share: 1 - Math.max(...counts.values()) / words.length, colours: counts.size, hash };
+  }, selector);
+}
+
+const pairs = (page) => page.evaluate(() => window.kilter.state.pairs.map((pair, n) => ({ n, verdict: pair.verdict, kind: pair.kind, offset: pair.offset_m, registered: pair.T_target_source_registered !== null })));
+
+await test("opens from disk and shows the verdict and the worst place without scrolling", {}, async (page) => {
+  const seen = await page.evaluate(() => {
+    const inside = (selector) => {
+      const box = document.querySelector(selector).getBoundingClientRect();
+      return box.width > 100 && box.top >= 0 && box.bottom <= innerHeight + 1 && box.right <= innerWidth + 1;
+    };
+    return {
+      word: document.querySelector("#verdict h1").textContent,
+      verdict: window.kilter.state.archive.result.system.verdict,
+      inside: ["#verdict", ".place.selected", "#map .pane", "#pair .pane"].map(inside),
+      card: document.querySelector(".place.selected").textContent,
+      policy: document.querySelector("meta[http-equiv]").content,
+    };
+  });
+  assert.equal(seen.word.toLowerCase(), seen.verdict);
+  assert.deepEqual(seen.inside, [true, true, true, true]);
+  assert.match(seen.card, /cm/);
+  assert.match(seen.policy, /default-src 'none'; script-src 'sha256-[^']+'; style-src 'sha256-[^']+';/);
+  await page.screenshot({ path: join(folder, "wide.png") });
+});
+
+await test("draws points, lines and matrices", {}, async (page) => {
+  for (const canvas of ["#map .points", "#pair .points", "#map .overlay", "#pair .overlay"]) {
+    assert.ok((await painted(page, canvas)).share > 0.002, canvas);
+  }
+  for (let i = 1; i <= 3; i++) {
+    assert.ok((await painted(page, `#matrices figure:nth-child(${i}) canvas`)).colours > 5, `matrix ${i}`);
+  }
+  assert.ok((await painted(page, ".chart canvas")).colours > 5);
+});
+
+await test("a cell of each matrix selects its pair everywhere", {}, async (page) => {
+  const all = await pairs(page);
+  for (let m = 0; m < 3; m++) {
+    const pair = all[(m * 7 + 3) % all.length].n;
+    const at = await page.evaluate(([m, pair]) => window.kilter.matrices.all[m].cellOf(pair), [m, pair]);
+    await page.locator("#matrices canvas").nth(m).click({ position: at });
+    await everywhere(page, pair);
+  }
+});
+
+await test("a line of the map selects its pair everywhere", {}, async (page) => {
+  const target = await page.evaluate(() => {
+    const { map, state } = window.kilter;
+    for (let n = 0; n < state.pairs.length; n++) {
+      const at = map.middleOf(n);
+      if (n !== state.selected && map.pick(at.x, at.y) === n) return { n, at };
+    }
+    return null;
+  });
+  assert.ok(target, "no line can be hit");
+  await page.locator("#map .overlay").click({ position: target.at });
+  await everywhere(page, target.n);
+});
+
+await test("a row and a place select their pair everywhere", {}, async (page) => {
+  const row = page.locator("#table tbody tr").nth(2);
+  const number = Number(await row.getAttribute("data-pair"));
+  await row.click();
+  await everywhere(page, number);
+  const place = page.locator(".place").last();
+  const pair = Number(await place.getAttribute("data-pair"));
+  await place.click();
+  await everywhere(page, pair);
+  assert.ok(await place.evaluate((node) => node.classList.contains("selected")));
+});
+
+await test("hovering a cell shows its numbers", {}, async (page) => {
+  const at = await page.evaluate(() => window.kilter.matrices.all[0].cellOf(0));
+  await page.locator("#matrices canvas").first().hover({ position: at });
+  const tip = page.locator("#tip");
+  assert.ok(await tip.isVisible());
+  const names = await page.evaluate(() => [window.kilter.state.pairs[0].target, window.kilter.state.pairs[0].source]);
+  for (const text of [...names, "Γ", "Θ", "offset", "overlap"]) assert.ok((await tip.textContent()).includes(text), text);
+});
+
+await test("the slider moves the source's points to where registration puts them", {}, async (page) => {
+  const read = () => page.evaluate(() => window.kilter.pair.sourcePoint(10));
+  const set = async (value) => page.locator("#slider").evaluate((node, value) => {
+    node.value = value;
+    node.dispatchEvent(new Event("input"));
+  }, String(value));
+  const start = await read();
+  await set(0.5);
+  const half = await read();
+  await set(1);
+  const end = await read();
+  const distance = (a, b) => Math.hypot(...a.map((x, i) => x - b[i]));
+  const offset = await page.evaluate(() => window.kilter.state.pairs[window.kilter.state.selected].offset_m);
+  assert.ok(distance(start, end) > 0.5 * offset && distance(start, end) < 2 * offset + 0.5, `${distance(start, end)} m for ${offset} m`);
+  assert.ok(distance(start, half) > 0.3 * distance(start, end) && distance(half, end) > 0.3 * distance(start, end));
+  const before = (await painted(page, "#pair .points")).hash;
+  await page.keyboard.press("m");
+  assert.deepEqual(await read(), start);
+  assert.notEqual((await painted(page, "#pair .points")).hash, before);
+  await page.keyboard.press("r");
+  assert.deepEqual(await read(), end);
+});
+
+await test("colours and slices change what is drawn", {}, async (page) => {
+  const seen = new Set();
+  for (const key of ["1", "2", "3"]) {
+    await page.keyboard.press(key);
+    seen.add((await painted(page, "#map .points")).hash);
+    await page.locator("#map").screenshot({ path: join(folder, `map-${key}.png`) });
+  }
+  assert.equal(seen.size, 3);
+  const slice = (await painted(page, "#map .points")).hash;
+  await page.locator("#map button", { hasText: "everything" }).click();
+  assert.notEqual((await painted(page, "#map .points")).hash, slice);
+  const modes = new Set();
+  for (const value of ["submap", "distance", "conflict"]) {
+    await page.locator(`#pair button[data-value="${value}"]`).click();
+    modes.add((await painted(page, "#pair .points")).hash);
+    await page.locator("#pair").screenshot({ path: join(folder, `pair-${value}.png`) });
+  }
+  assert.equal(modes.size, 3);
+  await page.locator("#map button", { hasText: "side" }).click();
+  await page.waitForTimeout(300);
+  await page.locator("#map").screenshot({ path: join(folder, "map-side.png") });
+  const lines = (await painted(page, "#map .overlay")).hash;
+  await page.locator("#map .edge.inconsistent input").click();
+  assert.notEqual((await painted(page, "#map .overlay")).hash, lines);
+});
+
+await test("the table filters and sorts", {}, async (page) => {
+  const all = await pairs(page);
+  const rows = () => page.evaluate(() => window.kilter.table.rows);
+  const texts = (column) => page.locator(`#table td.c-${column}`).allTextContents();
+  await page.selectOption("#filter-verdict", "inconsistent");
+  assert.equal((await rows()).length, all.filter((pair) => pair.verdict === "inconsistent").length);
+  assert.deepEqual(new Set(await texts("verdict")), new Set(["inconsistent"]));
+  await page.selectOption("#filter-kind", "global");
+  assert.equal((await rows()).length, all.filter((pair) => pair.verdict === "inconsistent" && pair.kind === "global").length);
+  await page.selectOption("#filter-verdict", "");
+  await page.selectOption("#filter-kind", "");
+  await page.fill("#filter-offset", "10");
+  assert.equal((await rows()).length, all.filter((pair) => pair.offset !== null && pair.offset >= 0.1).length);
+  await page.fill("#filter-offset", "");
+  const robot = await page.evaluate(() => window.kilter.state.archive.result.robots[0].name);
+  await page.selectOption("#filter-robot", robot);
+  assert.ok((await rows()).length < all.length);
+  await page.selectOption("#filter-robot", "");
+  await page.fill("#filter-text", "no such thing");
+  assert.equal((await rows()).length, 0);
+  await page.fill("#filter-text", "");
+  const header = page.locator('#table th[data-column="offset"]');
+  for (const sign of [1, -1]) {
+    await header.locator("button").click();
+    const offsets = (await rows()).map((n) => all[n].offset).filter((offset) => offset !== null);
+    for (let i = 1; i < offsets.length; i++) assert.ok(sign * (offsets[i] - offsets[i - 1]) >= 0);
+    assert.equal(await header.getAttribute("aria-sort"), sign > 0 ? "ascending" : "descending");
+  }
+});
+
+await test("a permalink opens its pair", { hash: "" }, async (page) => {
+  const link = await page.evaluate(() => {
+    const { state } = window.kilter;
+    state.select(state.pairs.length - 1);
+    return { hash: location.hash, pair: state.selected };
+  });
+  const again = await open(browser, report, { hash: link.hash });
+  assert.equal(await selected(again.page), link.pair);
+  await everywhere(again.page, link.pair);
+  await again.page.evaluate(() => (location.hash = ""));
+  const other = await page.evaluate(() => {
+    const pair = window.kilter.state.pairs[0];
+    return `#pair=${pair.source},${pair.target}`;
+  });
+  await again.page.evaluate((hash) => (location.hash = hash), other);
+  await again.page.waitForFunction(() => window.kilter.state.selected === 0);
+  await again.context.close();
+});
+
+await test("keys go through pairs and places, help and theme", {}, async (page) => {
+  const rows = await page.evaluate(() => window.kilter.table.rows);
+  await page.evaluate((n) => window.kilter.state.select(n), rows[0]);
+  await page.keyboard.press("j");
+  assert.equal(await selected(page), rows[1]);
+  await page.keyboard.press("ArrowDown");
+  assert.equal(await selected(page), rows[2]);
+  await page.keyboard.press("k");
+  await page.keyboard.press("ArrowUp");
+  assert.equal(await selected(page), rows[0]);
+  await page.keyboard.press("n");
+  assert.ok((await selected(page)) >= 0);
+  await page.keyboard.press("?");
+  assert.ok(await page.locator("#help").isVisible());
+  await page.keyboard.press("Escape");
+  assert.ok(!(await page.locator("#help").isVisible()));
+  await page.keyboard.press("Escape");
+  assert.equal(await selected(page), -1);
+  assert.equal(await page.evaluate(() => location.hash), "");
+  const paper = () => page.evaluate(() => getComputedStyle(document.body).backgroundColor);
+  const light = await paper();
+  await page.keyboard.press("d");
+  assert.notEqual(await paper(), light);
+  await page.locator("#theme").click();
+  assert.equal(await paper(), light);
+});
+
+await test("dark, small and printed it still fits", { dark: true, width: 800, height: 600 }, async (page) => {
+  assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth));
+  await page.screenshot({ path: join(folder, "small-dark.png") });
+  await page.setViewportSize({ width: 1440, height: 900 });
+  await page.waitForTimeout(300);
+  await page.screenshot({ path: join(folder, "wide-dark-whole.png"), fullPage: true });
+  await page.setViewportSize({ width: 390, height: 800 });
+  await page.waitForTimeout(500);
+  assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth));
+  await page.emulateMedia({ media: "print" });
+  assert.ok(!(await page.locator(".slider").isVisible()));
+  await page.emulateMedia({ media: null });
+  await page.setViewportSize({ width: 1440, height: 900 });
+  await page.waitForTimeout(500);
+  await page.pdf({ path: join(folder, "printed.pdf"), format: "A4", printBackground: true });
+});
+
+await test("hostile names are only names", { file: hostile }, async (page) => {
+  const names = await page.evaluate(() => window.kilter.state.archive.result.robots.map((robot) => robot.name));
+  assert.ok(names.some((name) => name.includes("<img src=x onerror=alert(1)>")), names.join());
+  assert.equal(await page.locator("img, svg, iframe").count(), 0);
+  for (let m = 0; m < 3; m++) {
+    const at = await page.evaluate((m) => window.kilter.matrices.all[m].cellOf(0), m);
+    await page.locator("#matrices canvas").nth(m).click({ position: at });
+  }
+  await page.keyboard.press("j");
+  assert.equal(await page.locator("img, svg, iframe").count(), 0);
+  const link = await page.evaluate(() => location.hash);
+  const again = await open(browser, hostile, { hash: link });
+  assert.equal(await selected(again.page), await selected(page));
+  await again.context.close();
+  await page.screenshot({ path: join(folder, "hostile.png") });
+});
+
+await browser.close();
