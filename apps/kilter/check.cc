@@ -163,7 +163,7 @@ void add_pictures(std::vector<OutputFile>& files, const Result& result, const Co
 }
 
 std::vector<OutputFile> output_files(const Result& result, const std::string& json, const ConfigEcho& config,
-                                     double tolerance_m) {
+                                     double tolerance_m, G2oDialect dialect) {
   std::vector<OutputFile> files = {
       {"pairs.csv", pairs_csv(result)},
       {"gamma.csv", matrix_csv(result, gamma_matrix(result).entries())},
