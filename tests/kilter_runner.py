@@ -50,7 +50,7 @@ def kilter_binary() -> Path:
     return Path(os.environ.get("KILTER_BINARY", SOURCE_DIR / "build" / "kilter"))
 
 
-def run_kilter(*arguments: object, timeout_s: float = 120.0, cwd: Path | None = None,
+def run_kilter(*arguments: object, timeout_s: float = 900.0, cwd: Path | None = None,
                environment: dict[str, str] | None = None) -> Run:
     """Runs `kilter arguments...` without a terminal and waits. Raises subprocess.TimeoutExpired past `timeout_s`.
 
