@@ -114,4 +114,15 @@ std::vector<Pose3> straight_path(const Eigen::Vector3d& from_m, const Eigen::Vec
   return poses;
 }
 
+Pose3 pose_at(double x, double y, double z, double yaw) {
+  return {Eigen::Quaterniond(Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ())), {x, y, z}};
+}
+
+SubmapPair room_pair() {
+  const Scene scene = furnished_room();
+  const std::vector<Pose3> first = {pose_at(3.03, 2.52, 1.04, 0.1), pose_at(4.03, 3.02, 1.04, 0.3)};
+  const std::vector<Pose3> second = {pose_at(8.21, 3.53, 1.02, 2.0), pose_at(7.51, 5.53, 1.02, 1.7)};
+  return {submap_of(scene, first, first[0], 1), submap_of(scene, second, second[0], 2), first[0].inverse() * second[0]};
+}
+
 }  // namespace kilter::testing

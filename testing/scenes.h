@@ -43,4 +43,17 @@ using Scene = std::vector<Box>;
 [[nodiscard]] std::vector<Pose3> straight_path(const Eigen::Vector3d& from_m, const Eigen::Vector3d& direction,
                                                int count, double step_m);
 
+/// An upright pose. [m], [rad]
+[[nodiscard]] Pose3 pose_at(double x, double y, double z, double yaw);
+
+/// Two submaps of one scene from different places, and the pose that brings the source onto the target.
+struct SubmapPair {
+  Submap target;
+  Submap source;
+  Pose3 T_target_source;
+};
+
+/// The furnished room seen from two ends: they overlap widely, and one pose alone fits.
+[[nodiscard]] SubmapPair room_pair();
+
 }  // namespace kilter::testing

@@ -14,26 +14,12 @@
 namespace kilter {
 namespace {
 
-Pose3 pose_at(double x, double y, double z, double yaw) {
-  return {Eigen::Quaterniond(Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ())), {x, y, z}};
-}
-
-struct Views {
-  Submap target;
-  Submap source;
-  Pose3 T_target_source;
-};
-
-Views room_views() {
-  const auto scene = testing::furnished_room();
-  const std::vector<Pose3> first = {pose_at(3.03, 2.52, 1.04, 0.1), pose_at(4.03, 3.02, 1.04, 0.3)};
-  const std::vector<Pose3> second = {pose_at(8.21, 3.53, 1.02, 2.0), pose_at(7.51, 5.53, 1.02, 1.7)};
-  return {testing::submap_of(scene, first, first[0], 1), testing::submap_of(scene, second, second[0], 2),
-          first[0].inverse() * second[0]};
-}
+using testing::pose_at;
+using testing::room_pair;
+using testing::SubmapPair;
 
 TEST(CoarseSearch, OneOfTheBestPosesLiesInTheBasinOfTheTruth) {
-  const Views views = room_views();
+  const SubmapPair views = room_pair();
   for (const auto& [x, y, yaw] :
        {std::tuple(0.0, 0.0, 0.0), std::tuple(2.3, -1.7, 0.15), std::tuple(-3.6, 3.1, -0.3)}) {
     const Pose3 start = pose_at(x, y, 0.0, yaw) * views.T_target_source;
@@ -52,7 +38,7 @@ TEST(CoarseSearch, OneOfTheBestPosesLiesInTheBasinOfTheTruth) {
 }
 
 TEST(CoarseSearch, TheVerticalMayLieAnywhereInTheTarget) {
-  const Views views = room_views();
+  const SubmapPair views = room_pair();
   // The same pair with the target's frame lying on its side.
   const Pose3 T_side_target(Eigen::Quaterniond(Eigen::AngleAxisd(1.5707963, Eigen::Vector3d::UnitX())), {0, 0, 0});
   Submap lying = views.target;
@@ -75,7 +61,7 @@ TEST(CoarseSearch, TheVerticalMayLieAnywhereInTheTarget) {
 }
 
 TEST(CoarseSearch, EmptyMapsGiveNothing) {
-  const Views views = room_views();
+  const SubmapPair views = room_pair();
   EXPECT_TRUE(coarse_search(VoxelMap(), views.target.map, {}, {}, Eigen::Vector3d::UnitZ(), 6).empty());
   EXPECT_TRUE(coarse_search(views.source.map, VoxelMap(), {}, {}, Eigen::Vector3d::UnitZ(), 6).empty());
 }

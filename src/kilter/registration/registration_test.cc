@@ -12,27 +12,12 @@
 namespace kilter {
 namespace {
 
+using testing::pose_at;
+using testing::room_pair;
 using testing::submap_of;
+using testing::SubmapPair;
 
-Pose3 pose_at(double x, double y, double z, double yaw) {
-  return {Eigen::Quaterniond(Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ())), {x, y, z}};
-}
-
-// Two submaps of one scene from different places, and the pose that brings the source onto the target.
-struct TestPair {
-  Submap target;
-  Submap source;
-  Pose3 T_target_source;
-};
-
-TestPair room_pair() {
-  const auto scene = testing::furnished_room();
-  const std::vector<Pose3> first = {pose_at(3.03, 2.52, 1.04, 0.1), pose_at(4.03, 3.02, 1.04, 0.3)};
-  const std::vector<Pose3> second = {pose_at(8.21, 3.53, 1.02, 2.0), pose_at(7.51, 5.53, 1.02, 1.7)};
-  return {submap_of(scene, first, first[0], 1), submap_of(scene, second, second[0], 2), first[0].inverse() * second[0]};
-}
-
-RegistrationResult run(const TestPair& pair, const Pose3& start, RegistrationMethod method) {
+RegistrationResult run(const SubmapPair& pair, const Pose3& start, RegistrationMethod method) {
   const VoxelPosition position =
       method == RegistrationMethod::kOicp ? VoxelPosition::kCentre : VoxelPosition::kCentroid;
   const NearestVoxelSearch source(pair.source.map, position, 1.0);
@@ -41,7 +26,7 @@ RegistrationResult run(const TestPair& pair, const Pose3& start, RegistrationMet
 }
 
 TEST(AlignSubmaps, PointToPlaneFindsTheTruthFromDriftedStarts) {
-  const TestPair pair = room_pair();
+  const SubmapPair pair = room_pair();
   for (const double shift_m : {0.0, 0.1, 0.3, 0.5}) {
     const Pose3 start = pose_at(shift_m, -0.5 * shift_m, 0.2 * shift_m, 0.1 * shift_m) * pair.T_target_source;
     const RegistrationResult result = run(pair, start, RegistrationMethod::kPointToPlane);
@@ -53,7 +38,7 @@ TEST(AlignSubmaps, PointToPlaneFindsTheTruthFromDriftedStarts) {
   }
 }
 
-RegistrationResult run_widely(const TestPair& pair, const Pose3& start) {
+RegistrationResult run_widely(const SubmapPair& pair, const Pose3& start) {
   const NearestVoxelSearch source(pair.source.map, VoxelPosition::kCentroid, 1.0);
   const NearestVoxelSearch target(pair.target.map, VoxelPosition::kCentroid, 1.0);
   RegistrationPrior prior;
@@ -62,7 +47,7 @@ RegistrationResult run_widely(const TestPair& pair, const Pose3& start) {
 }
 
 TEST(AlignWidely, FindsTheTruthFromBeyondTheBasin) {
-  const TestPair pair = room_pair();
+  const SubmapPair pair = room_pair();
   for (const auto& [x, y, yaw] : {std::tuple(1.5, -1.0, 0.1), std::tuple(-2.5, 2.0, -0.2), std::tuple(4.0, 1.0, 0.3)}) {
     const Pose3 start = pose_at(x, y, 0.1, yaw) * pair.T_target_source;
     const RegistrationResult result = run_widely(pair, start);
@@ -78,21 +63,21 @@ TEST(AlignWidely, FindsTheTruthFromBeyondTheBasin) {
 }
 
 TEST(AlignWidely, StaysWhereTheMapIsRight) {
-  const TestPair pair = room_pair();
+  const SubmapPair pair = room_pair();
   const RegistrationResult result = run_widely(pair, pair.T_target_source);
   ASSERT_TRUE(result.converged());
   EXPECT_LT((pair.T_target_source.inverse() * result.T_target_source).translation_m().norm(), 0.02);
 }
 
 TEST(AlignWidely, FindsNothingWhereNothingStands) {
-  const TestPair pair = room_pair();
+  const SubmapPair pair = room_pair();
   const RegistrationResult result = run_widely(pair, pose_at(60.0, 0.0, 0.0, 0.0) * pair.T_target_source);
   EXPECT_FALSE(result.converged());
 }
 
 // Floor and ceiling, most of the room, fit at every horizontal shift: only a few walls say where it belongs.
 TEST(AlignSubmaps, HorizontalShiftsAreNotHiddenByTheFloor) {
-  const TestPair pair = room_pair();
+  const SubmapPair pair = room_pair();
   for (const auto& [x, y] : {std::pair(0.25, 0.0), std::pair(0.0, 0.25), std::pair(0.5, 0.0), std::pair(-0.4, 0.3)}) {
     const RegistrationResult result =
         run(pair, pose_at(x, y, 0.0, 0.0) * pair.T_target_source, RegistrationMethod::kPointToPlane);
@@ -102,7 +87,7 @@ TEST(AlignSubmaps, HorizontalShiftsAreNotHiddenByTheFloor) {
 }
 
 TEST(AlignSubmaps, CovarianceCoversTheErrorButIsNotVast) {
-  const TestPair pair = room_pair();
+  const SubmapPair pair = room_pair();
   const RegistrationResult result = run(pair, pair.T_target_source, RegistrationMethod::kPointToPlane);
   const Vector6 error = (result.T_target_source.inverse() * pair.T_target_source).log();
   const double nees = error.dot(result.covariance.ldlt().solve(error)) / 6.0;
@@ -111,7 +96,7 @@ TEST(AlignSubmaps, CovarianceCoversTheErrorButIsNotVast) {
 }
 
 TEST(AlignSubmaps, OicpComesNearFromCloseStarts) {
-  const TestPair pair = room_pair();
+  const SubmapPair pair = room_pair();
   const Pose3 start = pose_at(0.2, -0.1, 0.0, 0.02) * pair.T_target_source;
   const RegistrationResult result = run(pair, start, RegistrationMethod::kOicp);
   ASSERT_TRUE(result.converged()) << to_string(result.stop);
@@ -122,8 +107,8 @@ TEST(AlignSubmaps, CorridorAxisIsReportedAndHeldAtTheStart) {
   const auto scene = testing::bare_corridor();
   const std::vector<Pose3> first = {pose_at(0.03, 0.02, 1.04, 0.0), pose_at(2.03, 0.12, 1.04, 0.0)};
   const std::vector<Pose3> second = {pose_at(5.03, -0.22, 1.04, 0.0), pose_at(7.03, 0.12, 1.04, 0.0)};
-  const TestPair pair{submap_of(scene, first, first[0], 1), submap_of(scene, second, second[0], 2),
-                      first[0].inverse() * second[0]};
+  const SubmapPair pair{submap_of(scene, first, first[0], 1), submap_of(scene, second, second[0], 2),
+                        first[0].inverse() * second[0]};
   const Pose3 start = pose_at(0.25, 0.15, 0.0, 0.01) * pair.T_target_source;
   const RegistrationResult result = run(pair, start, RegistrationMethod::kPointToPlane);
   ASSERT_TRUE(result.converged()) << to_string(result.stop);
@@ -134,7 +119,7 @@ TEST(AlignSubmaps, CorridorAxisIsReportedAndHeldAtTheStart) {
 }
 
 TEST(AlignSubmaps, FailuresSayWhy) {
-  const TestPair pair = room_pair();
+  const SubmapPair pair = room_pair();
   const RegistrationResult far =
       run(pair, pose_at(60.0, 0.0, 0.0, 0.0) * pair.T_target_source, RegistrationMethod::kPointToPlane);
   EXPECT_EQ(far.stop, StopReason::kTooFewMatches);
@@ -142,8 +127,8 @@ TEST(AlignSubmaps, FailuresSayWhy) {
 }
 
 TEST(AlignSubmaps, SwappingTheRolesInvertsTheResult) {
-  const TestPair pair = room_pair();
-  const TestPair swapped{pair.source, pair.target, pair.T_target_source.inverse()};
+  const SubmapPair pair = room_pair();
+  const SubmapPair swapped{pair.source, pair.target, pair.T_target_source.inverse()};
   const Pose3 start = pose_at(0.15, -0.1, 0.05, 0.02) * pair.T_target_source;
   const RegistrationResult forward = run(pair, start, RegistrationMethod::kPointToPlane);
   const RegistrationResult backward = run(swapped, start.inverse(), RegistrationMethod::kPointToPlane);
@@ -153,7 +138,7 @@ TEST(AlignSubmaps, SwappingTheRolesInvertsTheResult) {
 }
 
 TEST(AlignSubmaps, GivesTheSameBitsEachTime) {
-  const TestPair pair = room_pair();
+  const SubmapPair pair = room_pair();
   const Pose3 start = pose_at(0.1, 0.0, 0.0, 0.0) * pair.T_target_source;
   const RegistrationResult once = run(pair, start, RegistrationMethod::kPointToPlane);
   const RegistrationResult again = run(pair, start, RegistrationMethod::kPointToPlane);
