@@ -11,7 +11,6 @@ namespace {
 
 // Registrations that leave this share of conflict are no witnesses.
 constexpr double kWitnessConflict = 0.05;
-constexpr double kAmbiguous = 0.7;
 constexpr double kHalfAsGood = 0.5;
 
 // Where a pair lies on both journeys, without what it asks for.
@@ -68,8 +67,7 @@ void store_agreements(const Corrections& corrections, std::vector<PairMeasuremen
 bool wants_another_try(const PairEvidence& evidence, const CandidatePair& candidate) {
   if (!evidence.registered) return evidence.overlaps || candidate.predicted_enough;
   if (!evidence.registration->searched) return false;
-  const bool unclear = evidence.registration->ambiguity.value_or(0.0) > kAmbiguous ||
-                       evidence.registered->conflict.share() > kWitnessConflict;
+  const bool unclear = evidence.registration->ambiguous() || evidence.registered->conflict.share() > kWitnessConflict;
   return evidence.agreement.contradicted() || (unclear && evidence.agreement.agreeing == 0);
 }
 

@@ -87,6 +87,8 @@ struct RegistrationResult {
   std::optional<double> ambiguity;
   Pose3 T_target_source_runner_up;  ///< that pose; meaningful with `ambiguity`
 
+  /// Another pose fits nearly as well.
+  [[nodiscard]] bool ambiguous() const { return ambiguity.value_or(0.0) > 0.7; }
   [[nodiscard]] bool converged() const { return stop == StopReason::kConverged; }
 };
 

@@ -31,8 +31,7 @@ constexpr double kLeastGain = 1.3;
 // this much of what both saw no longer conflicts, and at most half of the conflict is left.
 constexpr double kLeastGainWithFreeSpace = 1.1;
 constexpr double kLeastConflictGone = 0.02;
-// Another pose that fits this well makes a registration ambiguous, unless this many registrations around it agree.
-constexpr double kAmbiguous = 0.7;
+// An ambiguous registration is believed if this many around it agree.
 constexpr int kSupported = 2;
 // What a rigid motion leaves apart beyond this (in tolerances, never below so many voxels of noise) is a bend.
 constexpr double kBendOfTolerance = 1.5;
@@ -142,7 +141,7 @@ std::string doubt(const PairEvidence& pair, const MapNull& null) {
         "wrong place",
         agreement.agreeing + agreement.contradicting, agreement.contradicting);
   }
-  if (registration.ambiguity.value_or(0.0) > kAmbiguous && agreement.agreeing < kSupported) {
+  if (registration.ambiguous() && agreement.agreeing < kSupported) {
     return fmt::format(
         "ambiguous: {:.1f} m from there it fits {:.0f} % as well",
         (registration.T_target_source_runner_up.translation_m() - registration.T_target_source.translation_m()).norm(),
