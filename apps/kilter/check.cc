@@ -216,6 +216,9 @@ int run_check(const CheckCommand& command) {
   if (!job) return print_error(job.error());
   if (auto fit = probe_output_folder(command.output_folder); !fit) return refuse_output(fit.error());
   if (!command.common.quiet) {
+    for (const SourceSummary& source : job->mission.sources) {
+      print_note(fmt::format("{}: {}", printable(source.source, 1024), describe(source)));
+    }
     for (const std::string& note : job->mission.notes) print_note(note);
   }
   catch_stop_signals();

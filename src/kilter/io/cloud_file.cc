@@ -4,23 +4,11 @@
 
 #include "kilter/io/bin_reader.h"
 #include "kilter/io/file.h"
+#include "kilter/io/number_text.h"
 #include "kilter/io/pcd_reader.h"
 #include "kilter/io/ply_reader.h"
 
 namespace kilter {
-namespace {
-
-// ASCII only, whatever the locale.
-std::string lower_case(std::string_view text) {
-  std::string lower(text);
-  for (char& c : lower) {
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  }
-  return lower;
-}
-
-}  // namespace
-
 std::optional<CloudFormat> cloud_format_of(std::string_view file_name) {
   const std::size_t dot = file_name.rfind('.');
   if (dot == std::string_view::npos || dot == 0) return std::nullopt;

@@ -175,6 +175,25 @@ Expected<std::vector<std::string>> list_folder(const std::filesystem::path& fold
   return names;
 }
 
+bool is_folder(const std::filesystem::path& path) {
+  std::error_code error;
+  return std::filesystem::is_directory(path, error);
+}
+
+bool is_file(const std::filesystem::path& path) {
+  std::error_code error;
+  return std::filesystem::is_regular_file(path, error);
+}
+
+std::string some_of(const std::vector<std::string>& names) {
+  constexpr std::size_t kShown = 5;
+  std::string text;
+  for (std::size_t i = 0; i < std::min(kShown, names.size()); ++i) {
+    text += (i == 0 ? "" : ", ") + printable(names[i], 80);
+  }
+  return names.size() > kShown ? text + ", ..." : text;
+}
+
 std::string shown(const std::filesystem::path& path) { return printable(path.native(), 1024); }
 
 }  // namespace kilter

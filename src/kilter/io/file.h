@@ -50,6 +50,13 @@ inline constexpr std::uint64_t kMaxFileBytes = std::uint64_t{1} << 35;
 /// Names of a folder's entries, sorted bytewise; "." and ".." left out. \return kNotFound, kIo.
 [[nodiscard]] Expected<std::vector<std::string>> list_folder(const std::filesystem::path& folder);
 
+/// Whether a folder, or a file, stands there; links are followed, and one to nothing is neither.
+[[nodiscard]] bool is_folder(const std::filesystem::path& path);
+[[nodiscard]] bool is_file(const std::filesystem::path& path);
+
+/// The first few of several names, fit to print: "a, b, c, d, e, ...".
+[[nodiscard]] std::string some_of(const std::vector<std::string>& names);
+
 /// A path as it is shown in messages: bytes that would steer a terminal replaced.
 [[nodiscard]] std::string shown(const std::filesystem::path& path);
 

@@ -9,15 +9,32 @@
 #include <system_error>
 
 #include "kilter/io/file.h"
-#include "kilter/io/robot_folder.h"
+#include "kilter/io/pose_file.h"
+#include "kilter/io/sources/foreign_file.h"
+#include "kilter/io/sources/robot_folder.h"
 
 namespace kilter {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::string_view kLayout =
-    "a robot is a folder with poses.* and scans/ or submaps/; a mission is a folder of such folders";
+// A robot's place on disk, named and recognised, not opened.
+struct FoundRobot {
+  std::string name;
+  fs::path path;
+  const SourceKind* kind = nullptr;
+  std::size_t source = 0;  // which one of the command line named it
+};
+
+// "robot folder, GLIM dump or ...": everything that can be named.
+std::string known_kinds() {
+  std::string text = "kilter reads a folder with poses.* and scans/ or submaps/";
+  for (const SourceKind& kind : source_kinds()) {
+    if (kind.open == open_robot_folder || kind.open == refuse_foreign_file) continue;
+    text += fmt::format(", {}", kind.name);
+  }
+  return text + ", and a folder of any of them, one for each robot";
+}
 
 // Names become JSON keys like "a,b", folders of --poses and cells of CSV files. \return what is wrong, or nothing.
 std::optional<std::string> find_fault(const std::string& name) {
@@ -37,79 +54,104 @@ std::string name_of_folder(const fs::path& folder) {
   return fs::canonical(folder, error).filename().string();
 }
 
-Expected<RobotFolder> robot_from_folder(const fs::path& folder) {
-  const std::string name = name_of_folder(folder);
+// A file is called as its robot without its extension.
+std::string name_of_path(const fs::path& path) { return is_file(path) ? path.stem().string() : name_of_folder(path); }
+
+Expected<FoundRobot> robot_from_path(const fs::path& path, const SourceKind& kind) {
+  const std::string name = name_of_path(path);
   if (const auto fault = find_fault(name)) {
-    return fail(ErrorCode::kUnsupported, fmt::format("this folder's name cannot be a robot's: {}", *fault),
-                shown(folder), "give the robot another name: NAME=PATH");
+    return fail(ErrorCode::kUnsupported,
+                fmt::format("this {}'s name cannot be a robot's: {}", is_file(path) ? "file" : "folder", *fault),
+                shown(path), "give the robot another name: NAME=PATH");
   }
-  return RobotFolder{name, folder, folder};
+  return FoundRobot{name, path, &kind};
 }
 
-Expected<void> check_is_folder(const fs::path& path) {
+Expected<void> check_exists(const fs::path& path) {
   std::error_code error;
   const fs::file_status status = fs::status(path, error);
   if (status.type() == fs::file_type::not_found) {
-    return fail(ErrorCode::kNotFound, "there is no such folder", shown(path));
+    return fail(ErrorCode::kNotFound, "there is no such file or folder", shown(path));
   }
-  if (status.type() == fs::file_type::directory) return {};
   if (error) return fail(ErrorCode::kIo, fmt::format("cannot be read: {}", error.message()), shown(path));
-  return fail(ErrorCode::kUnsupported, "expected a folder, found a file", shown(path), std::string(kLayout));
+  return {};
 }
 
-Expected<std::vector<RobotFolder>> robots_of_named(const std::string& name, const fs::path& folder) {
+tl::unexpected<Error> refuse_file(const fs::path& path) {
+  return fail(ErrorCode::kUnsupported, "expected a folder or a file of a kind that kilter reads, found another file",
+              shown(path), known_kinds());
+}
+
+Expected<std::vector<FoundRobot>> robots_of_named(const std::string& name, const fs::path& path) {
   if (const auto fault = find_fault(name)) {
     return fail(ErrorCode::kUsage, fmt::format("\"{}\" cannot be a robot's name: {}", printable(name, 80), *fault));
   }
-  if (auto ok = check_is_folder(folder); !ok) {
+  if (auto ok = check_exists(path); !ok) {
     ok.error().hint = fmt::format("a folder whose own name has a '=' is written ./{}=...", printable(name, 80));
     return pass_up(std::move(ok.error()));
   }
-  if (!is_robot_folder(folder)) {
-    return fail(ErrorCode::kNotFound, "expected scans/ or submaps/ in it, found neither", shown(folder),
-                std::string(kLayout));
+  const SourceKind* kind = recognise(path);
+  if (kind == nullptr && !is_folder(path)) return refuse_file(path);
+  if (kind == nullptr) {
+    return fail(ErrorCode::kNotFound, "expected scans/ or submaps/ in it, or another kind of source, found neither",
+                shown(path), known_kinds());
   }
-  return std::vector<RobotFolder>{{name, folder, folder}};
+  return std::vector<FoundRobot>{{name, path, kind}};
 }
 
-Expected<std::vector<RobotFolder>> robots_of_folder(const fs::path& folder) {
-  if (auto ok = check_is_folder(folder); !ok) return pass_up(ok.error());
+// Robot folders among a folder's folders; if there are none, folders of any other kind.
+Expected<std::vector<fs::path>> robots_inside(const fs::path& folder) {
+  const auto names = list_folder(folder);
+  if (!names) return pass_up(names.error());
+  std::vector<fs::path> own;
+  std::vector<fs::path> other;
+  for (const std::string& name : *names) {
+    if (name.starts_with('.') || !is_folder(folder / name)) continue;
+    const SourceKind* kind = recognise(folder / name);
+    if (kind != nullptr) (kind->open == open_robot_folder ? own : other).push_back(folder / name);
+  }
+  return own.empty() ? other : own;
+}
+
+Expected<std::vector<FoundRobot>> robots_of_path(const fs::path& path) {
+  if (auto ok = check_exists(path); !ok) return pass_up(ok.error());
   std::vector<fs::path> candidates;
-  if (is_robot_folder(folder)) {
-    candidates.push_back(folder);
+  if (recognise(path) != nullptr) {
+    candidates.push_back(path);
+  } else if (!is_folder(path)) {
+    return refuse_file(path);
   } else {
-    const auto names = list_folder(folder);
-    if (!names) return pass_up(names.error());
-    for (const std::string& name : *names) {
-      if (!name.starts_with('.') && is_robot_folder(folder / name)) candidates.push_back(folder / name);
-    }
+    auto inside = robots_inside(path);
+    if (!inside) return pass_up(inside.error());
+    candidates = *std::move(inside);
   }
   if (candidates.empty()) {
-    return fail(ErrorCode::kEmptyInput, "no robot: neither it nor a folder in it holds scans/ or submaps/",
-                shown(folder), std::string(kLayout));
+    return fail(ErrorCode::kEmptyInput, "no robot: neither it nor a folder in it holds scans/ or submaps/", shown(path),
+                known_kinds());
   }
-  std::vector<RobotFolder> robots;
+  std::vector<FoundRobot> robots;
   for (const fs::path& candidate : candidates) {
-    Expected<RobotFolder> robot = robot_from_folder(candidate);
+    Expected<FoundRobot> robot = robot_from_path(candidate, *recognise(candidate));
     if (!robot) return pass_up(robot.error());
     robots.push_back(*std::move(robot));
   }
   return robots;
 }
 
-Expected<std::vector<RobotFolder>> robots_of_source(const std::string& source) {
+Expected<std::vector<FoundRobot>> robots_of_source(const std::string& source) {
   const std::size_t equals = source.find('=');
   if (equals != std::string::npos && source.find('/') > equals) {
     return robots_of_named(source.substr(0, equals), source.substr(equals + 1));
   }
-  return robots_of_folder(source);
+  return robots_of_path(source);
 }
 
-Expected<std::vector<RobotFolder>> find_robots(const std::vector<std::string>& sources) {
-  std::vector<RobotFolder> robots;
-  for (const std::string& source : sources) {
-    auto found = robots_of_source(source);
+Expected<std::vector<FoundRobot>> find_robots(const std::vector<std::string>& sources) {
+  std::vector<FoundRobot> robots;
+  for (std::size_t source = 0; source < sources.size(); ++source) {
+    auto found = robots_of_source(sources[source]);
     if (!found) return pass_up(found.error());
+    for (FoundRobot& robot : *found) robot.source = source;
     std::move(found->begin(), found->end(), std::back_inserter(robots));
   }
   std::sort(robots.begin(), robots.end(), [](const auto& a, const auto& b) { return a.name < b.name; });
@@ -117,8 +159,8 @@ Expected<std::vector<RobotFolder>> find_robots(const std::vector<std::string>& s
       std::adjacent_find(robots.begin(), robots.end(), [](const auto& a, const auto& b) { return a.name == b.name; });
   if (twice != robots.end()) {
     return fail(ErrorCode::kUsage,
-                fmt::format("robot \"{}\" is given twice: {} and {}", twice->name, shown(twice->folder),
-                            shown(std::next(twice)->folder)),
+                fmt::format("robot \"{}\" is given twice: {} and {}", twice->name, shown(twice->path),
+                            shown(std::next(twice)->path)),
                 {}, "give one of them another name: NAME=PATH");
   }
   return robots;
@@ -145,9 +187,9 @@ void move_to_sensor(RobotLog& log, const MissionOptions& options, std::vector<st
   for (Pose3& T_world_cloud : log.T_world_cloud) T_world_cloud = T_world_cloud * *T_body_sensor;
 }
 
-Expected<void> check_sensor_names(const MissionOptions& options, const std::vector<RobotFolder>& robots) {
+Expected<void> check_sensor_names(const MissionOptions& options, const std::vector<FoundRobot>& robots) {
   for (const auto& [name, T_body_sensor] : options.T_body_sensor) {
-    const auto is_named = [&key = name](const RobotFolder& robot) { return robot.name == key; };
+    const auto is_named = [&key = name](const FoundRobot& robot) { return robot.name == key; };
     if (name.empty() || std::any_of(robots.begin(), robots.end(), is_named)) continue;
     return fail(ErrorCode::kConfig,
                 fmt::format("T_body_sensor is given for \"{}\", but no robot has that name", printable(name, 80)));
@@ -155,22 +197,69 @@ Expected<void> check_sensor_names(const MissionOptions& options, const std::vect
   return {};
 }
 
+// DIR/ROBOT/poses.* of --poses, for kinds that know nothing of it.
+Expected<void> replace_poses(RobotLog& log, const fs::path& folder) {
+  const auto pose_file = find_pose_file(folder);
+  if (!pose_file) return pass_up(pose_file.error());
+  auto poses = read_pose_file(*pose_file);
+  if (!poses) return pass_up(poses.error());
+  if (poses->size() != log.T_world_cloud.size()) {
+    return fail(ErrorCode::kCountMismatch,
+                fmt::format("{} poses, but the {} has {} clouds with a pose", poses->size(), log.kind,
+                            log.T_world_cloud.size()),
+                shown(*pose_file), "one pose for each of them, in the same order");
+  }
+  log.T_world_cloud = *std::move(poses);
+  return {};
+}
+
+Expected<RobotLog> open_robot(const FoundRobot& robot, const MissionOptions& options, std::vector<std::string>& notes) {
+  SourceRequest request{robot.path, robot.name, std::nullopt};
+  if (options.poses_folder) request.poses_folder = *options.poses_folder / robot.name;
+  Expected<RobotLog> log = robot.kind->open(request, notes);
+  if (!log) return log;
+  log->kind = robot.kind->name;
+  if (request.poses_folder && robot.kind->open != open_robot_folder) {
+    if (auto ok = replace_poses(*log, *request.poses_folder); !ok) return pass_up(ok.error());
+  }
+  if (log->clouds_found == 0) log->clouds_found = log->T_world_cloud.size();
+  if (log->poses_found == 0) log->poses_found = log->T_world_cloud.size();
+  move_to_sensor(*log, options, notes);
+  return log;
+}
+
+void count_in(const RobotLog& log, bool is_own_folder, SourceSummary& source) {
+  source.kind = source.robots == 0 || source.kind == log.kind ? log.kind : "folder of several kinds";
+  if (is_own_folder) source.kind = "mission";
+  source.finished_submaps = source.finished_submaps || log.finished_submaps;
+  source.clouds += log.T_world_cloud.size();
+  ++source.robots;
+}
+
 }  // namespace
 
 Expected<Mission> open_mission(const std::vector<std::string>& sources, const MissionOptions& options) {
-  if (sources.empty()) return fail(ErrorCode::kUsage, "no source given", {}, std::string(kLayout));
+  if (sources.empty()) return fail(ErrorCode::kUsage, "no source given", {}, known_kinds());
   auto robots = find_robots(sources);
   if (!robots) return pass_up(robots.error());
   if (auto ok = check_sensor_names(options, *robots); !ok) return pass_up(ok.error());
   Mission mission;
-  for (RobotFolder& robot : *robots) {
-    if (options.poses_folder) robot.poses_folder = *options.poses_folder / robot.name;
-    Expected<RobotLog> log = open_robot(robot, mission.notes);
+  for (const std::string& source : sources) mission.sources.emplace_back().source = source;
+  for (const FoundRobot& robot : *robots) {
+    Expected<RobotLog> log = open_robot(robot, options, mission.notes);
     if (!log) return pass_up(log.error());
-    move_to_sensor(*log, options, mission.notes);
+    count_in(*log, robot.kind->open == open_robot_folder, mission.sources[robot.source]);
     mission.robots.push_back(*std::move(log));
   }
   return mission;
+}
+
+std::string describe(const SourceSummary& source) {
+  const auto counted = [](std::size_t count, std::string_view what) {
+    return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
+  };
+  return fmt::format("{}, {}, {}", source.kind, counted(source.clouds, source.finished_submaps ? "submap" : "scan"),
+                     counted(source.robots, "robot"));
 }
 
 }  // namespace kilter

@@ -22,20 +22,35 @@ struct MissionOptions {
   std::map<std::string, Pose3> T_body_sensor;
 };
 
+/// What one command-line source turned out to be.
+struct SourceSummary {
+  std::string source;  ///< as it was given
+  std::string kind;    ///< "GLIM dump"
+  std::size_t robots = 0;
+  std::size_t clouds = 0;
+  bool finished_submaps = false;
+};
+
+/// "GLIM dump, 214 submaps, 1 robot".
+[[nodiscard]] std::string describe(const SourceSummary& source);
+
 /// All robots that share one world frame.
 struct Mission {
-  std::vector<RobotLog> robots;    ///< at least one, sorted bytewise by name
-  std::vector<std::string> notes;  ///< what a person should know before any work; may be empty
+  std::vector<RobotLog> robots;        ///< at least one, sorted bytewise by name
+  std::vector<SourceSummary> sources;  ///< in the order of the command line
+  std::vector<std::string> notes;      ///< what a person should know before any work; may be empty
 };
 
 /// Opens the robots that command-line sources name; poses are read, points are not.
 ///
-/// A source is a robot's folder (it directly holds `scans/` or `submaps/`; its name is the robot's), a folder of
-/// such folders (others beside them are passed over), or NAME=PATH with the path of a robot's folder. What stands
-/// before the first '=' is a name unless it holds a '/': write ./a=b for a folder a=b.
+/// A source is one robot's folder or file of any kind that kilter knows (sources/source_kind.h; its name is the
+/// robot's), a folder of such folders (what else lies beside them is passed over), or NAME=PATH with the path of one
+/// robot. In a folder of folders, those with `scans/` or `submaps/` are the robots if there are any. What stands before
+/// the first '=' is a name unless it holds a '/': write ./a=b for a folder a=b.
 /// \return  the mission; or kUsage (no source, a name given twice, a bad NAME), kConfig (T_body_sensor for an unknown
-///          robot), kNotFound, kEmptyInput (no robot in a folder), kUnsupported (a file; a folder's name that cannot be
-///          a robot's: with a comma, a control character or not UTF-8), or what open_robot fails with.
+///          robot), kNotFound, kEmptyInput (no robot in a folder), kUnsupported (a file of no known kind; a folder's
+///          name that cannot be a robot's: with a comma, a control character or not UTF-8), or what the kind's reader
+///          fails with.
 [[nodiscard]] Expected<Mission> open_mission(const std::vector<std::string>& sources,
                                              const MissionOptions& options = {});
 

@@ -139,10 +139,31 @@ TEST(OpenMission, SaysWhatASourceIsNot) {
   const TempFolder folder;
   const std::string path = folder.path().string();
   expect_error(open_mission({path}), ErrorCode::kEmptyInput, "no robot");
-  expect_error(open_mission({path + "/none"}), ErrorCode::kNotFound, "no such folder");
+  expect_error(open_mission({path + "/none"}), ErrorCode::kNotFound, "no such file or folder");
   expect_error(open_mission({"a=" + path + "/none"}), ErrorCode::kNotFound, "written ./a=");
   expect_error(open_mission({"a=" + path}), ErrorCode::kNotFound, "expected scans/ or submaps/");
-  expect_error(open_mission({folder.write("a.pcd", scan(0)).string()}), ErrorCode::kUnsupported, "found a file");
+  expect_error(open_mission({folder.write("a.txt", "").string()}), ErrorCode::kUnsupported, "found another file");
+}
+
+TEST(OpenMission, SaysWhatToConvertForeignFilesWith) {
+  const TempFolder folder;
+  expect_error(open_mission({folder.write("a.LAZ", "").string()}), ErrorCode::kUnsupported, "laszip");
+  expect_error(open_mission({folder.write("a.e57", "").string()}), ErrorCode::kUnsupported, "E57");
+  expect_error(open_mission({"b=" + folder.write("a.pbstream", "").string()}), ErrorCode::kUnsupported, "Cartographer");
+}
+
+TEST(OpenMission, TellsWhatEachSourceIs) {
+  const TempFolder folder;
+  write_robot(folder, "m/a", 2);
+  write_robot(folder, "m/b", 3);
+  write_robot(folder, "c", 1);
+  const auto mission = open_mission({(folder.path() / "m").string(), (folder.path() / "c").string()});
+  ASSERT_TRUE(mission) << to_string(mission.error());
+  ASSERT_EQ(mission->sources.size(), 2U);
+  EXPECT_EQ(describe(mission->sources[0]), "mission, 5 scans, 2 robots");
+  EXPECT_EQ(describe(mission->sources[1]), "mission, 1 scan, 1 robot");
+  EXPECT_EQ(mission->robots[0].kind, "robot folder");
+  EXPECT_EQ(mission->robots[0].clouds_found, 2U);
 }
 
 TEST(OpenMission, NamesBothCountsAndTheFirstMissingOne) {

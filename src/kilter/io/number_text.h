@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <string_view>
 
 namespace kilter {
@@ -33,6 +34,9 @@ template <Separators kind = Separators::kBlanks>
 
 /// A whole number from 0 to 2^64 - 1, digits only (one leading '+' is read); nothing for "-1", "1.0" or "1e3".
 [[nodiscard]] std::optional<std::uint64_t> parse_count(std::string_view word);
+
+/// Letters A to Z made small, whatever the locale.
+[[nodiscard]] std::string lower_case(std::string_view text);
 
 /// a * b, or nothing when it does not fit. For sizes that a file claims.
 [[nodiscard]] constexpr std::optional<std::uint64_t> checked_product(std::uint64_t a, std::uint64_t b) {

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <string>
 #include <vector>
@@ -16,8 +18,14 @@ namespace kilter {
 /// a mission are never all in memory.
 struct RobotLog {
   std::string name;
+  std::string kind;  ///< what its source was recognised as, e.g. "GLIM dump"; empty where nothing was read from disk
   /// Scans: T_world_sensor of each, undistorted, in order. Finished submaps: T_world_submap of each.
   std::vector<Pose3> T_world_cloud;
+  /// When each cloud was taken, where its source tells; else empty. Unix time or any other zero. [ns]
+  std::vector<std::int64_t> stamps_ns;
+  /// What the source held before clouds and poses were brought together; equal to the size above where each had one.
+  std::size_t clouds_found = 0;
+  std::size_t poses_found = 0;
   /// Each cloud is a whole submap in its own frame, not a scan: no sensor origin, so no free space.
   bool finished_submaps = false;
   /// Reads cloud i (0-based), in its own frame. May be called from several threads at once.

@@ -1,0 +1,65 @@
+// SPDX-FileCopyrightText: The kilter authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "kilter/io/log_from_files.h"
+
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "kilter/base/contract.h"
+#include "kilter/io/cloud_file.h"
+#include "kilter/io/file.h"
+#include "kilter/io/number_text.h"
+
+namespace kilter {
+namespace {
+
+namespace fs = std::filesystem;
+
+// The first file whose number is not its neighbour's plus one: most likely a scan between them is gone.
+std::optional<std::size_t> find_gap(const std::vector<std::string>& files) {
+  for (std::size_t i = 1; i < files.size(); ++i) {
+    const auto before = number_of_file(files[i - 1]);
+    const auto here = number_of_file(files[i]);
+    if (!before || !here || *here <= *before) return std::nullopt;
+    if (*here - *before > 1) return i;
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::optional<std::uint64_t> number_of_file(std::string_view name) {
+  return parse_count(name.substr(0, name.rfind('.')));
+}
+
+tl::unexpected<Error> refuse_counts(const std::vector<std::string>& files, std::size_t poses, const fs::path& pose_file,
+                                    const fs::path& clouds) {
+  const std::string counts = fmt::format("{} poses in {}, but {} files in {}", poses, shown(pose_file.filename()),
+                                         files.size(), shown(clouds.filename()));
+  std::string missing;
+  if (poses < files.size()) {
+    missing = fmt::format("{} is the first without a pose", printable(files[poses], 80));
+  } else if (const auto gap = find_gap(files)) {
+    missing = fmt::format("the first missing one lies between {} and {}", printable(files[*gap - 1], 80),
+                          printable(files[*gap], 80));
+  } else {
+    missing = fmt::format("pose {} (the first being 0) is the first without a file", files.size());
+  }
+  return fail(ErrorCode::kCountMismatch, counts + "; " + missing, shown(pose_file),
+              "one pose per file, in the order of the files' names");
+}
+
+void read_from_files(RobotLog& log, std::vector<fs::path> paths) {
+  const auto files = std::make_shared<const std::vector<fs::path>>(std::move(paths));
+  log.read_cloud = [files](std::size_t i) {
+    KILTER_EXPECTS(i < files->size());
+    return read_cloud_file((*files)[i]);
+  };
+  log.cloud_name = [files](std::size_t i) {
+    KILTER_EXPECTS(i < files->size());
+    return shown((*files)[i]);
+  };
+}
+
+}  // namespace kilter

@@ -1,0 +1,29 @@
+// SPDX-FileCopyrightText: The kilter authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "kilter/base/expected.h"
+#include "kilter/submap/robot_log.h"
+
+namespace kilter {
+
+/// Makes `log` read its cloud i from `paths[i]` by read_cloud_file, when it is asked for.
+void read_from_files(RobotLog& log, std::vector<std::filesystem::path> paths);
+
+/// "000012" of "000012.pcd", as a number, if it is one.
+[[nodiscard]] std::optional<std::uint64_t> number_of_file(std::string_view name);
+
+/// Counts that differ: says both, and which is the first missing one.
+/// \param files  names of the clouds, in order
+[[nodiscard]] tl::unexpected<Error> refuse_counts(const std::vector<std::string>& files, std::size_t poses,
+                                                  const std::filesystem::path& pose_file,
+                                                  const std::filesystem::path& clouds);
+
+}  // namespace kilter

@@ -1,0 +1,115 @@
+// SPDX-FileCopyrightText: The kilter authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "kilter/io/sources/robot_folder.h"
+
+#include <fmt/format.h>
+
+#include <optional>
+
+#include "kilter/io/cloud_file.h"
+#include "kilter/io/file.h"
+#include "kilter/io/log_from_files.h"
+#include "kilter/io/pose_file.h"
+
+namespace kilter {
+namespace {
+
+namespace fs = std::filesystem;
+
+// A folder's clouds in order, and what else lies there.
+struct CloudList {
+  std::vector<std::string> files;
+  std::vector<std::string> ignored;
+};
+
+bool is_octree(std::string_view name) { return name.ends_with(".ot") || name.ends_with(".bt"); }
+
+Expected<CloudList> list_clouds(const fs::path& folder, bool finished_submaps) {
+  auto names = list_folder(folder);
+  if (!names) return pass_up(names.error());
+  CloudList list;
+  std::optional<CloudFormat> first_format;
+  for (std::string& name : *names) {
+    if (name.starts_with('.')) continue;
+    if (finished_submaps && is_octree(name)) {
+      return fail(ErrorCode::kUnsupported, "OctoMap trees (.ot, .bt) are not read", shown(folder / name),
+                  "save the occupied cells' centres as .pcd or .ply, in the submap's own frame");
+    }
+    const std::optional<CloudFormat> format = cloud_format_of(name);
+    if (!format || (finished_submaps && *format == CloudFormat::kBin)) {
+      list.ignored.push_back(std::move(name));
+      continue;
+    }
+    if (!is_file(folder / name)) {
+      // Passing it over would shift every later scan to another pose.
+      return fail(ErrorCode::kUnsupported, "named like a cloud, but neither a file nor a link to one",
+                  shown(folder / name));
+    }
+    if (first_format && *format != *first_format) {
+      return fail(ErrorCode::kUnsupported,
+                  fmt::format("one folder holds one format, found {} and {}", printable(list.files.front(), 80),
+                              printable(name, 80)),
+                  shown(folder));
+    }
+    first_format = format;
+    list.files.push_back(std::move(name));
+  }
+  if (!list.files.empty()) return list;
+  const std::string expected = finished_submaps ? "no .pcd or .ply file" : "no .bin, .pcd or .ply file";
+  return fail(ErrorCode::kEmptyInput,
+              list.ignored.empty() ? expected : fmt::format("{}, only {}", expected, some_of(list.ignored)),
+              shown(folder));
+}
+
+// Names like 1, 2, 10 sort bytewise as 1, 10, 2, which is what counts here but seldom what was meant.
+std::optional<std::size_t> find_misorder(const std::vector<std::string>& files) {
+  for (std::size_t i = 1; i < files.size(); ++i) {
+    const auto before = number_of_file(files[i - 1]);
+    const auto here = number_of_file(files[i]);
+    if (before && here && *here < *before) return i;
+  }
+  return std::nullopt;
+}
+
+void note_oddities(const CloudList& list, const std::string& robot, const std::string& folder,
+                   std::vector<std::string>& notes) {
+  if (!list.ignored.empty()) {
+    notes.push_back(fmt::format("robot {}: {} entries of {}/ were ignored: {}", robot, list.ignored.size(), folder,
+                                some_of(list.ignored)));
+  }
+  if (const auto i = find_misorder(list.files)) {
+    notes.push_back(
+        fmt::format("robot {}: names sort bytewise, so {} comes before {}; pad numbers with zeros if that "
+                    "is not the order of the poses",
+                    robot, printable(list.files[*i - 1], 80), printable(list.files[*i], 80)));
+  }
+}
+
+}  // namespace
+
+bool is_robot_folder(const fs::path& folder) { return is_folder(folder / "scans") || is_folder(folder / "submaps"); }
+
+Expected<RobotLog> open_robot_folder(const SourceRequest& request, std::vector<std::string>& notes) {
+  RobotLog log;
+  log.name = request.name;
+  log.finished_submaps = is_folder(request.path / "submaps");
+  if (log.finished_submaps && is_folder(request.path / "scans")) {
+    return fail(ErrorCode::kUnsupported, "found both scans/ and submaps/, expected one of them", shown(request.path));
+  }
+  const fs::path clouds = request.path / (log.finished_submaps ? "submaps" : "scans");
+  const Expected<CloudList> list = list_clouds(clouds, log.finished_submaps);
+  if (!list) return pass_up(list.error());
+  const auto pose_file = find_pose_file(request.poses_folder.value_or(request.path));
+  if (!pose_file) return pass_up(pose_file.error());
+  auto poses = read_pose_file(*pose_file);
+  if (!poses) return pass_up(poses.error());
+  if (poses->size() != list->files.size()) return refuse_counts(list->files, poses->size(), *pose_file, clouds);
+  note_oddities(*list, log.name, clouds.filename().string(), notes);
+  log.T_world_cloud = *std::move(poses);
+  std::vector<fs::path> paths;
+  for (const std::string& file : list->files) paths.push_back(clouds / file);
+  read_from_files(log, std::move(paths));
+  return log;
+}
+
+}  // namespace kilter
