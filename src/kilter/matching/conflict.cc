@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 namespace kilter {
 
@@ -22,14 +23,17 @@ ConflictCount count_conflict(const VoxelMap& surface, const NearestVoxelSearch& 
   ConflictCount count;
   if (!space.map().has_free_space()) return count;
   const Eigen::Isometry3d T = T_space_surface.isometry();
+  const double resolution_m = space.map().resolution_m();
+  // Two points of one voxel are no farther apart than its diagonal.
+  const bool own_voxel_is_near = margin_m >= std::sqrt(3.0) * resolution_m;
   NearestVoxelCursor nearest(space);
   for (std::size_t i = 0; i < surface.voxels().size(); i += stride) {
     const Eigen::Vector3d at_m = T * surface.voxels().centroids_m[i].cast<double>();
-    const VoxelIndex voxel = voxel_at(at_m, space.map().resolution_m());
-    const bool free = is_free_with_neighbours(space.map(), voxel);
-    if (nearest.nearest(at_m, margin_m)) {
+    const VoxelIndex voxel = voxel_at(at_m, resolution_m);
+    const bool inside = own_voxel_is_near && space.map().state(voxel) == CellState::kOccupied;
+    if (inside || nearest.nearest(at_m, margin_m)) {
       ++count.known;
-    } else if (free) {
+    } else if (is_free_with_neighbours(space.map(), voxel)) {
       ++count.known;
       ++count.conflicting;
     }

@@ -25,11 +25,10 @@ Lanes lanes_at(const std::vector<float>& values, std::uint32_t first) {
   return lanes;
 }
 
-// Distance along one axis from u in [0, edge) to the block `offset` blocks away.
-double axis_gap_m(int offset, double u_m, double edge_m) {
-  if (offset > 0) return offset * edge_m - u_m;
-  if (offset < 0) return u_m - (offset + 1) * edge_m;
-  return 0.0;
+// No nearer than this is a block to a point, squared; rounded down by more than floats can be wrong. [m^2]
+float least_square_m2(const Eigen::Array3f& point_m, const Eigen::Array3f& low_m, float edge_m) {
+  const Eigen::Array3f gap_m = (low_m - point_m).max(point_m - low_m - edge_m).max(0.0F);
+  return 0.999F * gap_m.matrix().squaredNorm();
 }
 
 }  // namespace
@@ -108,15 +107,45 @@ std::optional<NearestVoxel> NearestVoxelSearch::nearest(const Eigen::Vector3d& p
   return NearestVoxelCursor(*this).nearest(point_m, limit_m);
 }
 
-bool NearestVoxelCursor::has_near(std::size_t k, double best2) {
+NearestVoxelCursor::NearestVoxelCursor(const NearestVoxelSearch& search) : search_(&search), table_(64, 0) {}
+
+NearestVoxelCursor::Home& NearestVoxelCursor::home_at(const Eigen::Vector3i& block) {
+  if (last_ != 0 && homes_[last_ - 1].at == block) return homes_[last_ - 1];
+  if (homes_.size() == kMostHomes) {
+    homes_.clear();
+    table_.assign(64, 0);
+  }
+  if (2 * (homes_.size() + 1) > table_.size()) {
+    table_.assign(4 * table_.size(), 0);
+    for (std::uint32_t number = 0; number < homes_.size(); ++number) {
+      std::size_t slot = block_hash(block_key(homes_[number].at)) & (table_.size() - 1);
+      while (table_[slot] != 0) slot = (slot + 1) & (table_.size() - 1);
+      table_[slot] = number + 1;
+    }
+  }
+  std::size_t slot = block_hash(block_key(block)) & (table_.size() - 1);
+  while (table_[slot] != 0 && homes_[table_[slot] - 1].at != block) slot = (slot + 1) & (table_.size() - 1);
+  if (table_[slot] == 0) {
+    homes_.push_back({block, {}, 0});
+    table_[slot] = static_cast<std::uint32_t>(homes_.size());
+  }
+  last_ = table_[slot];
+  return homes_[last_ - 1];
+}
+
+bool NearestVoxelCursor::has_near(Home& home, std::size_t k, float best2) const {
   const VoxelMap& map = *search_->map_;
-  while (k >= near_.size()) {
-    if (looked_at_ == search_->offsets_.size() || search_->offsets_[looked_at_].least_m2 > best2) return false;
-    const NearestVoxelSearch::BlockOffset& candidate = search_->offsets_[looked_at_++];
-    const std::int32_t number = map.find_block(*home_ + candidate.offset);
+  const double edge_m = kBlockSize * map.resolution_m();
+  while (k >= home.near.size()) {
+    if (home.looked_at == search_->offsets_.size() || search_->offsets_[home.looked_at].least_m2 > best2) return false;
+    const NearestVoxelSearch::BlockOffset& candidate = search_->offsets_[home.looked_at++];
+    const Eigen::Vector3i at = home.at + candidate.offset;
+    const std::int32_t number = map.find_block(at);
     if (number == BlockIndex::kNone) continue;
     const VoxelBlock& block = map.blocks()[static_cast<std::size_t>(number)];
-    if (block.voxel_count > 0) near_.push_back({candidate.offset, candidate.least_m2, &block});
+    if (block.voxel_count == 0) continue;
+    home.near.push_back(
+        {(at.cast<double>() * edge_m).cast<float>().array(), static_cast<float>(candidate.least_m2), &block});
   }
   return true;
 }
@@ -127,25 +156,16 @@ std::optional<NearestVoxel> NearestVoxelCursor::nearest(const Eigen::Vector3d& p
   // Half of a pair's points lie where the other has nothing at all. A voxel's points are within it, whichever stands.
   const double reach_m = limit_m + map.resolution_m();
   if (map.bounds_m().squaredExteriorDistance(point_m) > reach_m * reach_m) return std::nullopt;
-  const double edge_m = kBlockSize * map.resolution_m();
-  const Eigen::Vector3i home = block_of(voxel_at(point_m, map.resolution_m()));
-  if (!home_ || *home_ != home) {
-    home_ = home;
-    near_.clear();
-    looked_at_ = 0;
-  }
-  const Eigen::Vector3d u_m = point_m - home.cast<double>() * edge_m;
+  const auto edge_m = static_cast<float>(kBlockSize * map.resolution_m());
+  Home& home = home_at(block_of(voxel_at(point_m, map.resolution_m())));
   const Eigen::Vector3f point = point_m.cast<float>();
   // A little slack so that rounding to float never hides a voxel at exactly the limit; checked in double below.
   float best2 = static_cast<float>(limit_m * limit_m * 1.0001 + 1e-12);
   std::uint32_t best = kNoVoxel;
-  for (std::size_t k = 0; has_near(k, best2); ++k) {
-    const NearBlock& candidate = near_[k];
+  for (std::size_t k = 0; has_near(home, k, best2); ++k) {
+    const NearBlock& candidate = home.near[k];
     if (candidate.least_m2 > best2) break;
-    const Eigen::Vector3d gap_m(axis_gap_m(candidate.offset.x(), u_m.x(), edge_m),
-                                axis_gap_m(candidate.offset.y(), u_m.y(), edge_m),
-                                axis_gap_m(candidate.offset.z(), u_m.z(), edge_m));
-    if (gap_m.squaredNorm() * 0.9999 > best2) continue;
+    if (least_square_m2(point.array(), candidate.low_m, edge_m) > best2 + 1e-6F) continue;
     search_->scan_block(*candidate.block, point, best2, best);
   }
   if (best == kNoVoxel) return std::nullopt;

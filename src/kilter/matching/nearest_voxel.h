@@ -56,30 +56,40 @@ class NearestVoxelSearch {
   std::vector<BlockOffset> offsets_;  // sorted by least distance
 };
 
-/// The same search for many points in a row: remembers which of the blocks around the last point's block hold surfaces,
-/// so that neighbouring points, as submaps hold them, look nothing up. Same answers to the bit. One for each thread.
+/// The same search for many points: remembers which of the blocks around a point's block hold surfaces, so that points
+/// near each other, and the same points under another pose, look nothing up. Same answers to the bit. One for each
+/// thread; keep it as long as poses of one pair change. Memory is bounded (kMostHomes).
 class NearestVoxelCursor {
  public:
   /// The search must outlive it.
-  explicit NearestVoxelCursor(const NearestVoxelSearch& search) : search_(&search) {}
+  explicit NearestVoxelCursor(const NearestVoxelSearch& search);
 
   /// \sa NearestVoxelSearch::nearest
   [[nodiscard]] std::optional<NearestVoxel> nearest(const Eigen::Vector3d& point_m, double limit_m);
 
  private:
+  static constexpr std::size_t kMostHomes = 1 << 13;
+
   struct NearBlock {
-    Eigen::Vector3i offset;
-    double least_m2;
+    Eigen::Array3f low_m;  // the block's lower corner
+    float least_m2;        // no point of the home block is nearer
     const VoxelBlock* block;
   };
+  // What lies around one block, sorted by least distance, as far as was needed yet.
+  struct Home {
+    Eigen::Vector3i at;
+    std::vector<NearBlock> near;
+    std::size_t looked_at = 0;  // offsets that `near` covers
+  };
 
-  // Whether near_ has an entry k, looking for it among blocks that can hold something nearer than best2.
-  bool has_near(std::size_t k, double best2);
+  Home& home_at(const Eigen::Vector3i& block);
+  // Whether home.near has an entry k, looking for it among blocks that can hold something nearer than best2.
+  bool has_near(Home& home, std::size_t k, float best2) const;
 
   const NearestVoxelSearch* search_;
-  std::optional<Eigen::Vector3i> home_;
-  std::vector<NearBlock> near_;  // sorted by least distance; as far as was needed
-  std::size_t looked_at_ = 0;    // offsets that near_ covers
+  std::vector<Home> homes_;
+  std::vector<std::uint32_t> table_;  // open addressing: home number + 1, 0 = empty
+  std::uint32_t last_ = 0;            // home number + 1 of the last point
 };
 
 }  // namespace kilter

@@ -29,10 +29,9 @@ struct PointMatch {
 };
 
 std::vector<PointMatch> match_points(const NearestVoxelSearch& source, const NearestVoxelSearch& target,
-                                     const Pose3& T_target_source, double search_m) {
+                                     NearestVoxelCursor& cursor, const Pose3& T_target_source, double search_m) {
   const Eigen::Isometry3d T = T_target_source.isometry();
   const double two_voxels_m = 2.0 * target.map().resolution_m();
-  NearestVoxelCursor cursor(target);
   std::vector<PointMatch> matches;
   for (std::size_t i = 0; i < source.map().voxels().size(); ++i) {
     const Eigen::Vector3d at_m = T * voxel_position_m(source.map(), i, source.position());
@@ -127,10 +126,11 @@ RegistrationResult align_oicp(const NearestVoxelSearch& source, const NearestVox
   double search_m = options.search_distance_m;
   Pose3 T = start;
   std::vector<PointMatch> matches;
+  NearestVoxelCursor cursor(target);
   int settled = 0;
   while (settled < kSettledIterations && result.iterations < options.max_iterations) {
     ++result.iterations;
-    matches = match_points(source, target, T, search_m);
+    matches = match_points(source, target, cursor, T, search_m);
     trim(matches, most);
     if (matches.size() < static_cast<std::size_t>(options.min_matches)) return result;
     const Pose3 step = rigid_fit(matches);

@@ -57,17 +57,27 @@ bool normals_agree(const Eigen::Vector3d& a, const Eigen::Vector3d& b, bool orie
   return (oriented ? cosine : std::abs(cosine)) >= kLeastAgreement;
 }
 
+// A pair under many poses: what one look found out about the blocks of a submap serves the next.
+struct Pair {
+  const NearestVoxelSearch& source;
+  const NearestVoxelSearch& target;
+  NearestVoxelCursor in_source{source};
+  NearestVoxelCursor in_target{target};
+
+  [[nodiscard]] const VoxelMap& source_map() const { return source.map(); }
+  [[nodiscard]] const VoxelMap& target_map() const { return target.map(); }
+};
+
 // Points of `from` against the planes of `onto`, in the frame of `onto`.
-void match_one_way(const NearestVoxelSearch& from, const NearestVoxelSearch& onto, const Pose3& T_onto_from,
+void match_one_way(const VoxelMap& from, const VoxelMap& onto, NearestVoxelCursor& in_onto, const Pose3& T_onto_from,
                    double search_m, std::size_t stride, std::vector<PlaneResidual>& residuals) {
-  const SurfaceVoxels& points = from.map().voxels();
-  const SurfaceVoxels& planes = onto.map().voxels();
-  const bool oriented = from.map().has_free_space() && onto.map().has_free_space();
+  const SurfaceVoxels& points = from.voxels();
+  const SurfaceVoxels& planes = onto.voxels();
+  const bool oriented = from.has_free_space() && onto.has_free_space();
   const Eigen::Isometry3d T = T_onto_from.isometry();
-  NearestVoxelCursor cursor(onto);
   for (std::size_t i = 0; i < points.size(); i += stride) {
     const Eigen::Vector3d point_m = T * points.centroids_m[i].cast<double>();
-    const std::optional<NearestVoxel> nearest = cursor.nearest(point_m, search_m);
+    const std::optional<NearestVoxel> nearest = in_onto.nearest(point_m, search_m);
     if (!nearest) continue;
     const Eigen::Vector3d normal = planes.normals[nearest->voxel].cast<double>();
     if (normal.isZero()) continue;
@@ -84,12 +94,14 @@ struct Strides {
   std::size_t target = 1;
 };
 
-std::vector<PlaneResidual> match_both_ways(const NearestVoxelSearch& source, const NearestVoxelSearch& target,
-                                           const Pose3& T_target_source, double search_m, const Strides& strides) {
+std::vector<PlaneResidual> match_both_ways(Pair& pair, const Pose3& T_target_source, double search_m,
+                                           const Strides& strides) {
   std::vector<PlaneResidual> residuals;
-  match_one_way(source, target, T_target_source, search_m, strides.source, residuals);
+  match_one_way(pair.source_map(), pair.target_map(), pair.in_target, T_target_source, search_m, strides.source,
+                residuals);
   const std::size_t forward = residuals.size();
-  match_one_way(target, source, T_target_source.inverse(), search_m, strides.target, residuals);
+  match_one_way(pair.target_map(), pair.source_map(), pair.in_source, T_target_source.inverse(), search_m,
+                strides.target, residuals);
   const Eigen::Isometry3d T = T_target_source.isometry();
   for (std::size_t i = forward; i < residuals.size(); ++i) {
     residuals[i].point_m = T * residuals[i].point_m;
@@ -99,17 +111,14 @@ std::vector<PlaneResidual> match_both_ways(const NearestVoxelSearch& source, con
 }
 
 // About max_points of each.
-std::vector<PlaneResidual> match_planes(const NearestVoxelSearch& source, const NearestVoxelSearch& target,
-                                        const Pose3& T_target_source, double search_m, std::size_t max_points) {
-  const auto stride = [&](const NearestVoxelSearch& of) {
-    return std::max<std::size_t>(1, of.map().voxels().size() / max_points);
-  };
-  return match_both_ways(source, target, T_target_source, search_m, {stride(source), stride(target)});
+std::vector<PlaneResidual> match_planes(Pair& pair, const Pose3& T_target_source, double search_m,
+                                        std::size_t max_points) {
+  const auto stride = [&](const VoxelMap& of) { return std::max<std::size_t>(1, of.voxels().size() / max_points); };
+  return match_both_ways(pair, T_target_source, search_m, {stride(pair.source_map()), stride(pair.target_map())});
 }
 
-std::vector<PlaneResidual> match_every(const NearestVoxelSearch& source, const NearestVoxelSearch& target,
-                                       const Pose3& T_target_source, double search_m, std::size_t stride) {
-  return match_both_ways(source, target, T_target_source, search_m, {stride, stride});
+std::vector<PlaneResidual> match_every(Pair& pair, const Pose3& T_target_source, double search_m, std::size_t stride) {
+  return match_both_ways(pair, T_target_source, search_m, {stride, stride});
 }
 
 double median_absolute_m(const std::vector<PlaneResidual>& residuals) {
@@ -143,21 +152,21 @@ struct Descent {
   int iterations = 0;
 };
 
-double final_search_m(const NearestVoxelSearch& target, const RegistrationOptions& options) {
-  return std::min(kFinalSearchVoxels * target.map().resolution_m(), options.search_distance_m);
+double final_search_m(const VoxelMap& target, const RegistrationOptions& options) {
+  return std::min(kFinalSearchVoxels * target.resolution_m(), options.search_distance_m);
 }
 
 // From the start into the nearest optimum, at most range_m away.
-Descent descend(const NearestVoxelSearch& source, const NearestVoxelSearch& target, const Pose3& start,
-                const RegistrationOptions& options, double range_m) {
+Descent descend(Pair& pair, const Pose3& start, const RegistrationOptions& options, double range_m) {
   const auto max_points = static_cast<std::size_t>(options.max_points);
   // How many voxels one residual stands for: the gate counts voxels, of either submap.
-  const double per_residual = std::max(1.0, static_cast<double>(source.map().voxels().size()) / options.max_points);
+  const double per_residual =
+      std::max(1.0, static_cast<double>(pair.source_map().voxels().size()) / options.max_points);
   const auto enough = [&](std::size_t count) {
     return 0.5 * static_cast<double>(count) * per_residual >= options.min_matches && count >= kFewestResiduals;
   };
-  const double last_search_m = final_search_m(target, options);
-  const double final_kernel_m = kFinalKernelVoxels * target.map().resolution_m();
+  const double last_search_m = final_search_m(pair.target_map(), options);
+  const double final_kernel_m = kFinalKernelVoxels * pair.target_map().resolution_m();
   Descent descent;
   descent.T = start;
   double search_m = options.search_distance_m;
@@ -167,7 +176,7 @@ Descent descend(const NearestVoxelSearch& source, const NearestVoxelSearch& targ
     ++descent.iterations;
     ++level_iterations;
     const bool last_level = search_m <= last_search_m;
-    std::vector<PlaneResidual> residuals = match_planes(source, target, descent.T, search_m, max_points);
+    std::vector<PlaneResidual> residuals = match_planes(pair, descent.T, search_m, max_points);
     if (!enough(residuals.size())) return descent;
     apply_kernel(residuals, last_level ? final_kernel_m : kKernelOfSearch * search_m);
     const NormalEquations equations = build_normal_equations(residuals);
@@ -193,26 +202,24 @@ Descent descend(const NearestVoxelSearch& source, const NearestVoxelSearch& targ
 }
 
 // Judges where a descent ended on all voxels.
-RegistrationResult finish(const NearestVoxelSearch& source, const NearestVoxelSearch& target, const Pose3& start,
-                          const Descent& descent, const RegistrationOptions& options, const RegistrationPrior& prior) {
+RegistrationResult finish(Pair& pair, const Pose3& start, const Descent& descent, const RegistrationOptions& options,
+                          const RegistrationPrior& prior) {
   RegistrationResult result;
   result.T_target_source = start;
   result.iterations = descent.iterations;
   result.stop = descent.stop;
   if (descent.stop != StopReason::kConverged && descent.stop != StopReason::kMaxIterations) return result;
-  const double resolution_m = target.map().resolution_m();
-  const double search_m = final_search_m(target, options);
-  std::vector<PlaneResidual> residuals = match_planes(source, target, descent.T, search_m, kAllPoints);
+  const double resolution_m = pair.target_map().resolution_m();
+  const double search_m = final_search_m(pair.target_map(), options);
+  std::vector<PlaneResidual> residuals = match_planes(pair, descent.T, search_m, kAllPoints);
   result.matches = residuals.size() / 2;
   result.support_end = count_below(residuals, kSupportVoxels * resolution_m);
-  result.support_start =
-      count_below(match_planes(source, target, start, search_m, kAllPoints), kSupportVoxels * resolution_m);
+  result.support_start = count_below(match_planes(pair, start, search_m, kAllPoints), kSupportVoxels * resolution_m);
   if (result.matches < static_cast<std::size_t>(options.min_matches)) {
     result.stop = StopReason::kTooFewMatches;
     return result;
   }
-  result.bend =
-      measure_bend(match_planes(source, target, descent.T, options.search_distance_m, kAllPoints), kBendCell_m);
+  result.bend = measure_bend(match_planes(pair, descent.T, options.search_distance_m, kAllPoints), kBendCell_m);
   apply_kernel(residuals, kFinalKernelVoxels * resolution_m);
   const NormalEquations equations = build_normal_equations(residuals);
   const ObservableSplit split = split_observable(equations);
@@ -231,15 +238,14 @@ struct Optimum {
   double worth = 0.0;
 };
 
-Optimum judged(const NearestVoxelSearch& source, const NearestVoxelSearch& target, const Descent& descent,
-               const RegistrationOptions& options) {
-  const double resolution_m = target.map().resolution_m();
-  const std::size_t larger = std::max(source.map().voxels().size(), target.map().voxels().size());
+Optimum judged(Pair& pair, const Descent& descent, const RegistrationOptions& options) {
+  const double resolution_m = pair.target_map().resolution_m();
+  const std::size_t larger = std::max(pair.source_map().voxels().size(), pair.target_map().voxels().size());
   const std::size_t stride = std::max<std::size_t>(1, larger / kJudgedVoxels);
   const std::size_t support = count_below(
-      match_every(source, target, descent.T, final_search_m(target, options), stride), kSupportVoxels * resolution_m);
+      match_every(pair, descent.T, final_search_m(pair.target_map(), options), stride), kSupportVoxels * resolution_m);
   const ConflictSample conflict =
-      measure_conflict(source, target, descent.T, kConflictMarginVoxels * resolution_m, stride);
+      measure_conflict(pair.source, pair.target, descent.T, kConflictMarginVoxels * resolution_m, stride);
   const std::size_t conflicting = conflict.source_in_target.conflicting + conflict.target_in_source.conflicting;
   const double worth = static_cast<double>(support) - kConflictCost * static_cast<double>(conflicting);
   return {descent, worth * static_cast<double>(stride)};
@@ -264,12 +270,14 @@ double apart_m(const VoxelMap& source, const Pose3& a, const Pose3& b) {
 RegistrationResult align_point_to_plane(const NearestVoxelSearch& source, const NearestVoxelSearch& target,
                                         const Pose3& start, const RegistrationOptions& options,
                                         const RegistrationPrior& prior) {
-  const Descent descent = descend(source, target, start, options, prior.translation_m + options.search_distance_m);
-  return finish(source, target, start, descent, options, prior);
+  Pair pair{source, target};
+  const Descent descent = descend(pair, start, options, prior.translation_m + options.search_distance_m);
+  return finish(pair, start, descent, options, prior);
 }
 
 RegistrationResult align_widely(const NearestVoxelSearch& source, const NearestVoxelSearch& target, const Pose3& start,
                                 const RegistrationOptions& options, const RegistrationPrior& prior) {
+  Pair pair{source, target};
   const double resolution_m = target.map().resolution_m();
   const double reach_m = std::max(options.wide_translation_m, prior.translation_m);
   const CoarseSearchRange range{reach_m, std::min(reach_m, kMostRise_m), options.max_rotation_rad};
@@ -286,9 +294,9 @@ RegistrationResult align_widely(const NearestVoxelSearch& source, const NearestV
   for (const Pose3& from : starts) {
     // A coarse pose is a cell or two off; from the map's own pose the whole way is open.
     const double range_m = from.translation_m() == start.translation_m() ? reach_m : kWideRefinement_m;
-    const Descent descent = descend(source, target, from, quick, range_m + options.search_distance_m);
+    const Descent descent = descend(pair, from, quick, range_m + options.search_distance_m);
     if (descent.stop != StopReason::kConverged && descent.stop != StopReason::kMaxIterations) continue;
-    optima.push_back(judged(source, target, descent, options));
+    optima.push_back(judged(pair, descent, options));
     if (&from == &starts.front() && optima.back().worth > 0.0) optima.back().worth *= kHomeBonus;
   }
   if (optima.empty()) {
@@ -306,9 +314,9 @@ RegistrationResult align_widely(const NearestVoxelSearch& source, const NearestV
   }
   RegistrationOptions close = options;
   close.search_distance_m = std::min(options.search_distance_m, kCloseSearchVoxels * resolution_m);
-  Descent descent = descend(source, target, best->descent.T, close, kWideRefinement_m);
+  Descent descent = descend(pair, best->descent.T, close, kWideRefinement_m);
   if (descent.stop != StopReason::kConverged) descent = best->descent;
-  RegistrationResult result = finish(source, target, start, descent, options, prior);
+  RegistrationResult result = finish(pair, start, descent, options, prior);
   result.searched = true;
   result.worth = best->worth;
   result.ambiguity = runner_up == nullptr ? 0.0 : std::clamp(runner_up->worth / std::max(best->worth, 1.0), 0.0, 1.0);
@@ -318,10 +326,11 @@ RegistrationResult align_widely(const NearestVoxelSearch& source, const NearestV
 
 RegistrationResult align_near(const NearestVoxelSearch& source, const NearestVoxelSearch& target, const Pose3& start,
                               const Pose3& guess, const RegistrationOptions& options, const RegistrationPrior& prior) {
-  const Descent descent = descend(source, target, guess, options, kWideRefinement_m);
-  RegistrationResult result = finish(source, target, start, descent, options, prior);
+  Pair pair{source, target};
+  const Descent descent = descend(pair, guess, options, kWideRefinement_m);
+  RegistrationResult result = finish(pair, start, descent, options, prior);
   result.searched = true;
-  if (result.converged()) result.worth = judged(source, target, descent, options).worth;
+  if (result.converged()) result.worth = judged(pair, descent, options).worth;
   return result;
 }
 
