@@ -196,6 +196,7 @@ class DoubledWalls(Missions):
             for scene in (wall, corner):
                 pair = self.pair_of(scene(1), scene(2), (gap, *IDENTITY[1:]))
                 self.assertAlmostEqual(pair["offset_m"], gap, delta=0.02)
+                self.assertAlmostEqual(pair["gap_m"], gap, delta=0.01)
                 low, high = pair["offset_interval_m"]
                 self.assertLessEqual(low, pair["offset_m"])
                 self.assertGreaterEqual(high, pair["offset_m"])

@@ -194,6 +194,7 @@ PairMeasurement measure_pair(std::span<const Submap> submaps, const SubmapSearch
   const auto& by = oicp ? searches.by_position : searches.by_centroid;
   const RegistrationPrior prior = prior_of(pair, submaps[t], options);
   if (evidence.overlaps) {
+    evidence.gap = measure_parallel_gap(submaps[s].map, submaps[t].map, evidence.T_target_source);
     evidence.registration = align_submaps(by[s], by[t], evidence.T_target_source, options.registration, prior);
     measure_registered(both, options, evidence);
   }

@@ -50,7 +50,10 @@ Expected<PairMeasurement> register_clouds(const CloudPair& clouds, const CheckOp
   pair.id = {submaps[1].id, submaps[0].id};
   pair.kind = PairKind::kGlobal;
   pair.predicted_enough = true;
-  return measure_pair(submaps, searches, pair, options);
+  PairMeasurement measurement = measure_pair(submaps, searches, pair, options);
+  std::optional<RegistrationResult>& registration = measurement.evidence.registration;
+  if (!registration) registration.emplace().T_target_source = clouds.T_target_source_init;  // nothing to align
+  return measurement;
 }
 
 }  // namespace kilter

@@ -18,7 +18,8 @@ struct CloudPair {
 /// Registers two clouds as `check` registers a pair of submaps: both become voxel maps, the local search runs from the
 /// start, then always the wide search (options.registration.wide_translation_m, max_rotation_rad).
 /// Gates on overlap do not apply. Vertical is the target's z.
-/// \return  the measured pair; `evidence.registration` says how it ended. kInvalidArgument if a cloud leaves no voxel.
+/// \return  the measured pair; `evidence.registration` is always there and says how it ended. kInvalidArgument if a
+/// cloud leaves no voxel.
 [[nodiscard]] Expected<PairMeasurement> register_clouds(const CloudPair& clouds, const CheckOptions& options,
                                                         const RunContext& run);
 

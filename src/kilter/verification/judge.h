@@ -11,6 +11,7 @@
 #include "kilter/consistency/distribution.h"
 #include "kilter/consistency/gamma.h"
 #include "kilter/matching/conflict.h"
+#include "kilter/matching/parallel_gap.h"
 #include "kilter/registration/registration.h"
 #include "kilter/verification/agreement.h"
 #include "kilter/verification/verdict.h"
@@ -53,6 +54,7 @@ struct PairEvidence {
   Pose3 T_target_source;  ///< the map's
   double resolution_m = 0.1;
   PoseEvidence map;
+  std::optional<ParallelGap> gap;                  ///< at the map's pose
   std::optional<RegistrationResult> registration;  ///< absent if it was not tried
   std::optional<PoseEvidence> registered;          ///< absent if it did not converge
   Agreement agreement;                             ///< with the registrations around it, once they were compared

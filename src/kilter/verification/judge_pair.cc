@@ -18,6 +18,7 @@ constexpr double kConsistentTail = 0.05;
 constexpr double kOverlapKept = 0.8;
 // Conflict this many spreads above the map's own good pairs, and never below these shares, is out of line.
 constexpr double kConflictSpreads = 4.0;
+constexpr double kOnePercent = 2.5758;  // standard deviations that chance exceeds once in a hundred, either side
 constexpr double kConflictSlack = 0.03;
 // Theta this many spreads below the map's own, and at least this many decades, is out of line.
 constexpr double kThetaSpreads = 3.0;
@@ -88,6 +89,10 @@ bool fit_improved(const PairEvidence& pair) {
 void note_measurements(const PairEvidence& pair, const MapNull& null, PairVerdict& verdict) {
   if (pair.map.score && pair.map.score->log10_gamma) {
     verdict.evidence["log10_gamma"] = {pair.map.score->log10_gamma, null.log10_gamma, std::nullopt};
+  }
+  if (pair.gap) {
+    verdict.gap_m = pair.gap->gap_m;
+    verdict.evidence["gap_m"] = {pair.gap->gap_m, kOnePercent * pair.gap->sigma_m, std::nullopt};
   }
   if (pair.map.matched > 0) verdict.evidence["mean_distance_m"].value = pair.map.mean_distance_m;
   if (pair.map.conflict.known() > 0) {

@@ -67,6 +67,15 @@ TEST(JudgePair, OffsetIsReportedWhateverTheVerdict) {
   EXPECT_GT(*verdict.minimum_detectable_m, 0.0);
 }
 
+TEST(JudgePair, TheGapBetweenDoubledWallsStandsBesideTheVerdict) {
+  PairEvidence pair = pair_moved(0.05, 0.01);
+  EXPECT_FALSE(judge_pair(pair, {}, {}).gap_m);
+  pair.gap = ParallelGap{.gap_m = 0.049, .sigma_m = 0.01};
+  const PairVerdict verdict = judge_pair(pair, {}, {});
+  EXPECT_EQ(verdict.gap_m, 0.049);
+  EXPECT_NEAR(*verdict.evidence.at("gap_m").null, 0.0258, 1e-4);
+}
+
 TEST(JudgePair, WithoutOverlapItIsNeverDecided) {
   PairEvidence pair = pair_moved(0.0, 0.01);
   pair.overlaps = false;
