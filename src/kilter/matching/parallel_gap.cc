@@ -12,7 +12,7 @@ namespace kilter {
 namespace {
 
 constexpr double kMostGap_m = 0.5;
-constexpr double kCell_m = 0.5;
+constexpr double kCell_m = 1.0;
 constexpr std::size_t kMostVoxels = 6000;
 constexpr float kLeastPlanarity = 0.3F;
 constexpr double kSameWay = 0.94;        // cosine between the normals of two voxels of one surface

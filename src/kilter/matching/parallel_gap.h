@@ -17,7 +17,7 @@ struct ParallelGap {
   double sigma_m = 0.0;  ///< standard deviation of gap_m: the cells' spread, and a twentieth of a voxel
   double p_value = 1.0;  ///< two-sided, for "one layer", corrected for the number of directions tried
   Eigen::Vector3d normal = Eigen::Vector3d::Zero();  ///< unit, target axes; the sign is arbitrary
-  std::size_t cells = 0;                             ///< cells of half a metre that show this direction
+  std::size_t cells = 0;                             ///< cells of a metre that show this direction
 };
 
 /// Measures it at one relative pose, without registration.
