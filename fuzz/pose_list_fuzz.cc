@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The kilter authors
 // SPDX-License-Identifier: BSD-3-Clause
-// Any file beside clouds is refused with a printable reason, or gives poses, each with a stamp, an id and a name or none
-// of them with one.
+// Any file beside clouds is refused with a printable reason, or gives poses, each with a stamp, an id and a name or
+// none of them with one.
 #include <cmath>
 
 #include "kilter/io/pose_list.h"
