@@ -52,6 +52,16 @@ bool is_heading_of(std::string_view comment, std::string_view row) {
   return columns && columns->count == count_cells(row, columns->separator);
 }
 
+// Whether the first line that is no comment begins with a word: a heading, if anything.
+bool is_worded(std::string_view bytes) {
+  ByteCursor cursor(without_byte_order_mark(bytes));
+  while (const std::optional<std::string_view> line = cursor.take_line()) {
+    const std::string_view word = first_word(*line);
+    if (!word.empty()) return !parse_real(word);
+  }
+  return false;
+}
+
 PoseList from_graph(const std::vector<NumberedPose>& vertices) {
   PoseList list;
   list.layout = PoseLayout::kG2o;
@@ -115,7 +125,7 @@ std::optional<PoseLayout> guess_pose_layout(std::string_view bytes) {
 }
 
 Expected<PoseList> read_pose_list(std::string_view bytes, const std::string& where) {
-  const PoseLayout layout = guess_pose_layout(bytes).value_or(PoseLayout::kKitti);
+  const PoseLayout layout = guess_pose_layout(bytes).value_or(is_worded(bytes) ? PoseLayout::kTable : PoseLayout::kTum);
   if (layout == PoseLayout::kTum || layout == PoseLayout::kKitti) return read_rows(bytes, layout, where);
   if (layout == PoseLayout::kG2o) {
     const auto vertices = read_g2o_vertices(bytes, where);

@@ -35,7 +35,8 @@ struct PoseList : PoseTable {
 /// \param bytes  the whole file
 /// \param where  the file's name, for messages
 /// \return  at least one pose; or what the reader of its layout fails with (pose_reader.h, g2o_reader.h,
-///          pose_table.h). What is in no known layout is read as TUM or KITTI, which says what is wrong with it.
+///          pose_table.h). What is in no known layout is read as a table if it begins with a word, else
+///          as TUM or KITTI, which says what is wrong with it.
 [[nodiscard]] Expected<PoseList> read_pose_list(std::string_view bytes, const std::string& where);
 
 /// The stamps of a list in nanoseconds, in the unit that its heading says or that is most likely; nothing without

@@ -59,6 +59,9 @@ TEST(PoseList, SaysWhatIsWrongWithWhatItIsNot) {
   EXPECT_EQ(read_pose_list("FIX 0\n", "p").error().code, ErrorCode::kEmptyInput);
   EXPECT_EQ(read_pose_list("1 0 0 0 0 1 0 0 0 0 1 0\n0\n", "p").error().where, "p:2");
   EXPECT_EQ(read_pose_list("x,y,z,qx,qy,qz,qw\n1\n", "p").error().where, "p:2");
+  const Error angles = read_pose_list("t,x,y,z,roll,pitch,yaw\n", "p").error();
+  EXPECT_EQ(angles.where, "p:1");
+  EXPECT_EQ(angles.message, "the heading names no column for qx, qy, qz, qw: \"t,x,y,z,roll,pitch,yaw\"");
 }
 
 }  // namespace
