@@ -117,6 +117,32 @@ def main():
                       '{"robot":"a","first_scan":4,"last_scan":5}],"pairs":[{"target":"a/1"}]}')
     write("cuts/finished", '{"schema":"kilter.result/1","submaps":[{"robot":"a","first_scan":null,"last_scan":null}]}')
 
+    layouts(little)
+
+
+def layouts(little):
+    """Texts beside clouds, as the programs that make such folders write them."""
+    vertex = "VERTEX_SE3:QUAT %d 1 2 3 0 0 0.7071068 0.7071068\n"
+    write("g2o/graph", "PARAMS_SE3OFFSET 0 0 0 0 0 0 0 1\n" + vertex % 1 + vertex % 0 +
+          "FIX 0\nEDGE_SE3:QUAT 0 1 1 0 0 0 0 0 1\n")
+    write("g2o/planar", "VERTEX_SE2 0 0 0 0\n")
+    write("g2o/twice", "\ufeff" + vertex % 7 + "# again\r\n" + vertex % 7)
+    write("pose_list/tum", "# timestamp tx ty tz qx qy qz qw\n1403636579.763555584 1 2 3 0 0 0 1\n"
+          "1.4e+09 1 2 3 0 0 0 1\n")
+    write("pose_list/kitti", "1 0 0 1 0 1 0 2 0 0 1 3\n")
+    write("pose_list/g2o", vertex % 4 + vertex % 2)
+    write("pose_list/euroc", "#timestamp [ns], p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_w [], q_RS_x [], "
+          "q_RS_y [], q_RS_z []\r\n1403636579763555584,1,2,3,1,0,0,0\r\n")
+    write("pose_list/files", "file;t;x;y;z;qx;qy;qz;qw;note;\na/000001.pcd;0;1;2;3;0;0;0;1;good;\n")
+    write("pose_list/blanks", "time_s x y z qx qy qz qw\n0.5 1 2 3 0 0 0 1\n")
+    matrix = "0 -1 0 1\n1 0 0 2\n0 0 1 3\n0 0 0 1\n"
+    write("submap_text/glim", "gid: 0\nT_world_origin: \n" + matrix + "T_origin_endpoint_L: \n" + matrix +
+          "num_frames: 1\nframe_0\nid: 0\nstamp: 12.500000000\nT_world_lidar: \n" + matrix)
+    write("submap_text/hdl", "hstamp 1503043136 87654\nestimate\n" + matrix + "odom\n" + matrix +
+          "accum_distance 3.5\nfloor_coeffs 0 0 1 0.4\nid 4\n")
+    write("submap_text/kitti", "kP0: 718 0 607 0 0 718 185 0 0 0 1 0\nTr: 0 -1 0 0.1 0 0 -1 0.2 1 0 0 0.3\n")
+    write("submap_text/points", b"." + little)
+
 
 if __name__ == "__main__":
     main()

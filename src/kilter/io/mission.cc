@@ -10,6 +10,7 @@
 
 #include "kilter/io/file.h"
 #include "kilter/io/pose_file.h"
+#include "kilter/io/sources/cloud_folder.h"
 #include "kilter/io/sources/foreign_file.h"
 #include "kilter/io/sources/robot_folder.h"
 
@@ -82,6 +83,20 @@ tl::unexpected<Error> refuse_file(const fs::path& path) {
               shown(path), known_kinds());
 }
 
+// A folder of scans is named more often than the one above it that has the poses.
+tl::unexpected<Error> refuse_folder(const fs::path& path) {
+  if (const auto clouds = list_clouds_of(path)) {
+    return fail(ErrorCode::kNotFound,
+                fmt::format("{} cloud{} in it ({}), but no list of poses beside them", clouds->size(),
+                            clouds->size() == 1 ? "" : "s", some_of(*clouds)),
+                shown(path),
+                "put poses.txt there with lines `t x y z qx qy qz qw`, one for each cloud in order, or name the folder "
+                "above if the poses are there");
+  }
+  return fail(ErrorCode::kEmptyInput, "no robot: neither it nor a folder in it holds scans/ or submaps/", shown(path),
+              known_kinds());
+}
+
 Expected<std::vector<FoundRobot>> robots_of_named(const std::string& name, const fs::path& path) {
   if (const auto fault = find_fault(name)) {
     return fail(ErrorCode::kUsage, fmt::format("\"{}\" cannot be a robot's name: {}", printable(name, 80), *fault));
@@ -92,11 +107,21 @@ Expected<std::vector<FoundRobot>> robots_of_named(const std::string& name, const
   }
   const SourceKind* kind = recognise(path);
   if (kind == nullptr && !is_folder(path)) return refuse_file(path);
+  if (kind == nullptr && list_clouds_of(path)) return refuse_folder(path);
   if (kind == nullptr) {
     return fail(ErrorCode::kNotFound, "expected scans/ or submaps/ in it, or another kind of source, found neither",
                 shown(path), known_kinds());
   }
   return std::vector<FoundRobot>{{name, path, kind}};
+}
+
+// Programs leave a link `latest` beside the folder that it leads to; both would be one robot twice.
+bool leads_to_neighbour(const fs::path& entry) {
+  std::error_code error;
+  if (!fs::is_symlink(entry, error)) return false;
+  const fs::path target = fs::canonical(entry, error);
+  const fs::path folder = fs::canonical(entry.parent_path(), error);
+  return !error && target.parent_path() == folder;
 }
 
 // Robot folders among a folder's folders; if there are none, folders of any other kind.
@@ -106,7 +131,7 @@ Expected<std::vector<fs::path>> robots_inside(const fs::path& folder) {
   std::vector<fs::path> own;
   std::vector<fs::path> other;
   for (const std::string& name : *names) {
-    if (name.starts_with('.') || !is_folder(folder / name)) continue;
+    if (name.starts_with('.') || !is_folder(folder / name) || leads_to_neighbour(folder / name)) continue;
     const SourceKind* kind = recognise(folder / name);
     if (kind != nullptr) (kind->open == open_robot_folder ? own : other).push_back(folder / name);
   }
@@ -125,10 +150,7 @@ Expected<std::vector<FoundRobot>> robots_of_path(const fs::path& path) {
     if (!inside) return pass_up(inside.error());
     candidates = *std::move(inside);
   }
-  if (candidates.empty()) {
-    return fail(ErrorCode::kEmptyInput, "no robot: neither it nor a folder in it holds scans/ or submaps/", shown(path),
-                known_kinds());
-  }
+  if (candidates.empty()) return refuse_folder(path);
   std::vector<FoundRobot> robots;
   for (const fs::path& candidate : candidates) {
     Expected<FoundRobot> robot = robot_from_path(candidate, *recognise(candidate));

@@ -145,6 +145,23 @@ TEST(OpenMission, SaysWhatASourceIsNot) {
   expect_error(open_mission({folder.write("a.txt", "").string()}), ErrorCode::kUnsupported, "found another file");
 }
 
+TEST(OpenMission, SaysThatCloudsLackPoses) {
+  const TempFolder folder;
+  const std::string path = folder.write("velodyne/000000.pcd", scan(0)).parent_path().string();
+  expect_error(open_mission({path}), ErrorCode::kNotFound, "1 cloud in it (000000.pcd), but no list of poses beside");
+  expect_error(open_mission({"a=" + path}), ErrorCode::kNotFound, "or name the folder above");
+}
+
+TEST(OpenMission, TakesALinkAndWhatItLeadsToForOneRobot) {
+  const TempFolder folder;
+  write_robot(folder, "results/today", 1);
+  write_robot(folder, "elsewhere", 1);
+  fs::create_directory_symlink("today", folder.path() / "results/latest");
+  fs::create_directory_symlink("../elsewhere", folder.path() / "results/other");
+  EXPECT_EQ(names_of(open_mission({(folder.path() / "results").string()})),
+            (std::vector<std::string>{"other", "today"}));
+}
+
 TEST(OpenMission, SaysWhatToConvertForeignFilesWith) {
   const TempFolder folder;
   expect_error(open_mission({folder.write("a.LAZ", "").string()}), ErrorCode::kUnsupported, "laszip");

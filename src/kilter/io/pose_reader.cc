@@ -2,24 +2,21 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "kilter/io/pose_reader.h"
 
-#include <Eigen/LU>
-#include <Eigen/SVD>
 #include <fmt/format.h>
 
 #include <array>
-#include <cmath>
 #include <optional>
 #include <span>
 
 #include "kilter/io/byte_cursor.h"
 #include "kilter/io/number_text.h"
+#include "kilter/io/pose_numbers.h"
 
 namespace kilter {
 namespace {
 
 constexpr std::size_t kTumColumns = 8;
 constexpr std::size_t kKittiColumns = 12;
-constexpr double kMaxRotationError = 0.01;
 constexpr std::string_view kLayouts =
     "a pose is 8 numbers, `t x y z qx qy qz qw`, or 12, the rows of a 3x4 matrix (KITTI); begin a heading with #";
 
@@ -56,51 +53,16 @@ Expected<void> check_columns(std::size_t found, std::size_t expected) {
   return {};
 }
 
-Expected<void> check_finite(std::span<const double> values, const Eigen::Vector3d& position_m) {
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    if (!std::isfinite(values[i])) {
-      return fail(ErrorCode::kInvalidPose, fmt::format("column {} is {}, not a finite number", i + 1, values[i]));
-    }
-  }
-  if (position_m.cwiseAbs().maxCoeff() > kMaxPosition_m) {
-    return fail(ErrorCode::kInvalidPose, fmt::format("position ({}, {}, {}) m is farther than {} m from the origin",
-                                                     position_m.x(), position_m.y(), position_m.z(), kMaxPosition_m));
-  }
-  return {};
-}
-
 Expected<Pose3> pose_from_tum(const std::array<double, kKittiColumns>& v) {
-  const Eigen::Vector3d position_m(v[1], v[2], v[3]);
-  if (auto ok = check_finite(std::span(v).first(kTumColumns), position_m); !ok) return pass_up(ok.error());
-  // Not norm(): squares of huge components must not overflow into a harmless-looking error.
-  const double norm = Eigen::Vector4d(v[4], v[5], v[6], v[7]).stableNorm();
-  if (!(std::abs(norm - 1.0) <= kMaxRotationError)) {
-    return fail(ErrorCode::kInvalidPose,
-                fmt::format("quaternion ({}, {}, {}, {}) has length {:.6g}, more than 1 % away from 1", v[4], v[5],
-                            v[6], v[7], norm),
-                {}, "columns are t x y z qx qy qz qw, the quaternion's real part last");
-  }
-  return Pose3(Eigen::Quaterniond(v[7], v[4], v[5], v[6]), position_m);
+  if (auto ok = check_finite_columns(std::span(v).first(kTumColumns), 1); !ok) return pass_up(ok.error());
+  Expected<Pose3> pose = pose_from_quaternion({v[1], v[2], v[3]}, {v[4], v[5], v[6], v[7]});
+  if (!pose) pose.error().hint = "columns are t x y z qx qy qz qw, the quaternion's real part last";
+  return pose;
 }
 
 Expected<Pose3> pose_from_kitti(const std::array<double, kKittiColumns>& v) {
-  const Eigen::Vector3d position_m(v[3], v[7], v[11]);
-  if (auto ok = check_finite(v, position_m); !ok) return pass_up(ok.error());
-  Eigen::Matrix3d R;
-  R << v[0], v[1], v[2], v[4], v[5], v[6], v[8], v[9], v[10];
-  const double error = (R.transpose() * R - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
-  if (!(error <= kMaxRotationError)) {
-    return fail(ErrorCode::kInvalidPose,
-                fmt::format("the matrix is not a rotation: R^T R differs from I by {:.3g}, at most {} is accepted",
-                            error, kMaxRotationError));
-  }
-  if (R.determinant() < 0.0) {
-    return fail(ErrorCode::kInvalidPose, "the matrix is a reflection, not a rotation: its determinant is -1");
-  }
-  // The nearest rotation: polar factor U V^T.
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(R, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  const Eigen::Matrix3d nearest = svd.matrixU() * svd.matrixV().transpose();
-  return Pose3(Eigen::Quaterniond(nearest), position_m);
+  if (auto ok = check_finite_columns(v, 1); !ok) return pass_up(ok.error());
+  return pose_from_rows(v);
 }
 
 Expected<Pose3> parse_pose(std::string_view line, std::size_t& columns) {

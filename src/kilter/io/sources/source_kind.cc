@@ -5,8 +5,15 @@
 #include <algorithm>
 #include <array>
 
+#include "kilter/io/sources/flat_folder.h"
 #include "kilter/io/sources/foreign_file.h"
+#include "kilter/io/sources/glim_dump.h"
+#include "kilter/io/sources/hdl_dump.h"
+#include "kilter/io/sources/kiss_slam.h"
+#include "kilter/io/sources/kitti_sequence.h"
+#include "kilter/io/sources/lt_mapper.h"
 #include "kilter/io/sources/robot_folder.h"
+#include "kilter/io/sources/single_cloud.h"
 
 namespace kilter {
 
@@ -14,6 +21,13 @@ std::span<const SourceKind> source_kinds() {
   // What interface.md promises comes first; what guesses most comes last.
   static constexpr std::array kKinds = {
       SourceKind{"robot folder", is_robot_folder, open_robot_folder},
+      SourceKind{"GLIM dump", is_glim_dump, open_glim_dump},
+      SourceKind{"hdl_graph_slam dump", is_hdl_dump, open_hdl_dump},
+      SourceKind{"KISS-SLAM result", is_kiss_slam_result, open_kiss_slam_result},
+      SourceKind{"LT-mapper session", is_lt_mapper_session, open_lt_mapper_session},
+      SourceKind{"KITTI sequence", is_kitti_sequence, open_kitti_sequence},
+      SourceKind{"folder of clouds", is_flat_folder, open_flat_folder},
+      SourceKind{"single cloud", is_single_cloud, open_single_cloud},
       SourceKind{"file of another kind", is_foreign_file, refuse_foreign_file},
   };
   return kKinds;

@@ -1,0 +1,156 @@
+// SPDX-FileCopyrightText: The kilter authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "kilter/io/sources/cloud_folder.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <optional>
+
+#include "kilter/base/contract.h"
+#include "kilter/io/byte_cursor.h"
+#include "kilter/io/cloud_file.h"
+#include "kilter/io/file.h"
+#include "kilter/io/log_from_files.h"
+#include "kilter/io/number_text.h"
+#include "kilter/io/pose_file.h"
+#include "kilter/io/stamp_text.h"
+
+namespace kilter {
+namespace {
+
+namespace fs = std::filesystem;
+
+const NumberedPose* find_pose(std::span<const NumberedPose> poses, std::uint64_t id) {
+  const auto found = std::lower_bound(poses.begin(), poses.end(), id,
+                                      [](const NumberedPose& pose, std::uint64_t wanted) { return pose.id < wanted; });
+  return found == poses.end() || found->id != id ? nullptr : &*found;
+}
+
+std::optional<std::vector<StampText>> parse_stamp_lines(std::string_view bytes) {
+  ByteCursor cursor(without_byte_order_mark(bytes));
+  std::vector<StampText> stamps;
+  while (const std::optional<std::string_view> line = cursor.take_line()) {
+    std::string_view rest = *line;
+    const std::string_view word = take_word(rest);
+    if (word.empty()) continue;
+    const std::optional<StampText> stamp = parse_stamp_text(word);
+    if (!stamp || !take_word(rest).empty()) return std::nullopt;
+    stamps.push_back(*stamp);
+  }
+  return stamps;
+}
+
+tl::unexpected<Error> refuse_name(const fs::path& cloud, const PoseOrigin& origin) {
+  return fail(ErrorCode::kUnsupported, "expected a number as the cloud's name, found another name", shown(cloud),
+              fmt::format("000012{} belongs to {} 12 of {}", cloud.extension().string(), origin.id_word,
+                          shown(origin.file.filename())));
+}
+
+}  // namespace
+
+Expected<std::vector<std::string>> list_clouds_of(const fs::path& folder) {
+  const auto names = list_folder(folder);
+  if (!names) return pass_up(names.error());
+  std::vector<std::string> clouds;
+  for (const std::string& name : *names) {
+    const std::optional<CloudFormat> format = cloud_format_of(name);
+    if (name.starts_with('.') || !format) continue;
+    if (!is_file(folder / name)) {
+      return fail(ErrorCode::kUnsupported, "named like a cloud, but neither a file nor a link to one",
+                  shown(folder / name));
+    }
+    if (!clouds.empty() && *format != *cloud_format_of(clouds.front())) {
+      return fail(ErrorCode::kUnsupported,
+                  fmt::format("one folder holds one format, found {} and {}", printable(clouds.front(), 80),
+                              printable(name, 80)),
+                  shown(folder));
+    }
+    clouds.push_back(name);
+  }
+  if (clouds.empty()) return fail(ErrorCode::kEmptyInput, "no cloud in it", shown(folder));
+  return clouds;
+}
+
+Expected<void> pair_by_number(RobotLog& log, const fs::path& folder, std::span<const std::string> names,
+                              std::span<const NumberedPose> poses, std::span<const std::int64_t> stamps_ns,
+                              const PoseOrigin& origin, std::vector<std::string>& notes) {
+  KILTER_EXPECTS(!names.empty() && !poses.empty());
+  KILTER_EXPECTS(stamps_ns.empty() || stamps_ns.size() == poses.size());
+  std::vector<std::string> sorted(names.begin(), names.end());
+  sort_by_number(sorted);
+  std::vector<fs::path> paths;
+  for (const std::string& name : sorted) {
+    const std::optional<std::uint64_t> id = number_of_file(name);
+    if (!id) return refuse_name(folder / name, origin);
+    const NumberedPose* pose = find_pose(poses, *id);
+    if (pose == nullptr) continue;
+    log.T_world_cloud.push_back(pose->T_world_cloud);
+    if (!stamps_ns.empty()) log.stamps_ns.push_back(stamps_ns[static_cast<std::size_t>(pose - poses.data())]);
+    paths.push_back(folder / name);
+  }
+  log.clouds_found = sorted.size();
+  log.poses_found = poses.size();
+  if (paths.empty()) {
+    return fail(ErrorCode::kCountMismatch,
+                fmt::format("none of {} clouds, {} to {}, has a {} of its number; those go from {} to {}",
+                            sorted.size(), printable(sorted.front(), 80), printable(sorted.back(), 80), origin.id_word,
+                            poses.front().id, poses.back().id),
+                shown(origin.file));
+  }
+  if (paths.size() < sorted.size()) notes.push_back(matched_note(log, "number"));
+  read_from_files(log, std::move(paths));
+  return {};
+}
+
+void sort_by_number(std::vector<std::string>& names) {
+  const bool all = std::all_of(names.begin(), names.end(), [](const auto& name) { return number_of_file(name); });
+  if (!all) return;
+  std::stable_sort(names.begin(), names.end(),
+                   [](const auto& a, const auto& b) { return number_of_file(a) < number_of_file(b); });
+}
+
+std::vector<NumberedPose> number_from_zero(std::span<const Pose3> poses) {
+  std::vector<NumberedPose> numbered;
+  numbered.reserve(poses.size());
+  for (const Pose3& pose : poses) numbered.push_back({numbered.size(), pose});
+  return numbered;
+}
+
+std::vector<std::int64_t> read_stamps_if_any(const fs::path& file, std::size_t count, const std::string& robot,
+                                             std::vector<std::string>& notes) {
+  if (!is_file(file)) return {};
+  const auto bytes = read_file(file, kMaxPoseFileBytes);
+  if (!bytes) return {};
+  const std::optional<std::vector<StampText>> stamps = parse_stamp_lines(bytes->view());
+  if (!stamps || stamps->size() != count) {
+    notes.push_back(fmt::format("robot {}: stamps are not known: {} is not a list of {} of them", robot,
+                                shown(file.filename()), count));
+    return {};
+  }
+  return to_nanoseconds(*stamps, guess_unit(*stamps)).value_or(std::vector<std::int64_t>{});
+}
+
+std::string matched_note(const RobotLog& log, std::string_view by) {
+  const std::size_t left_out = log.clouds_found - log.T_world_cloud.size();
+  const std::string rest = left_out == 0   ? ""
+                           : left_out == 1 ? "; the other one is left out"
+                                           : fmt::format("; the other {} are left out", left_out);
+  return fmt::format("robot {}: poses matched {} of {} clouds by {}{}", log.name, log.T_world_cloud.size(),
+                     log.clouds_found, by, rest);
+}
+
+void note_coarse_poses(const RobotLog& log, std::string_view file_name, std::vector<std::string>& notes) {
+  constexpr double kCoarse_m = 1000.0;  // the sixth digit of 1234.56 is a centimetre
+  double farthest_m = 0.0;
+  for (const Pose3& pose : log.T_world_cloud) {
+    farthest_m = std::max(farthest_m, pose.translation_m().cwiseAbs().maxCoeff());
+  }
+  if (farthest_m < kCoarse_m) return;
+  notes.push_back(fmt::format(
+      "robot {}: positions reach {:.0f} m from the origin, where the six digits of {} are {} apart; use another pose "
+      "source by --poses if there is a finer one",
+      log.name, farthest_m, file_name, farthest_m < 10.0 * kCoarse_m ? "1 cm" : "10 cm or more"));
+}
+
+}  // namespace kilter
