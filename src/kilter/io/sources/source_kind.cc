@@ -6,6 +6,7 @@
 #include <array>
 
 #include "kilter/io/sources/foreign_file.h"
+#include "kilter/io/sources/octree_file.h"
 #include "kilter/io/sources/robot_folder.h"
 
 namespace kilter {
@@ -14,6 +15,7 @@ std::span<const SourceKind> source_kinds() {
   // What interface.md promises comes first; what guesses most comes last.
   static constexpr std::array kKinds = {
       SourceKind{"robot folder", is_robot_folder, open_robot_folder},
+      SourceKind{"OctoMap tree", is_octree_file, open_octree_file},
       SourceKind{"file of another kind", is_foreign_file, refuse_foreign_file},
   };
   return kKinds;
