@@ -84,10 +84,10 @@ TEST(OctomapOracle, WeReadTheirFullTrees) {
 }
 
 TEST(OctomapOracle, WeReadTheirBinaryTrees) {
-  auto tree = scanned_tree<octomap::OcTree>(0.05);
+  auto tree = scanned_tree<octomap::OcTree>(0.15);
   std::ostringstream bytes;
   tree.writeBinary(bytes);
-  octomap::OcTree again(0.05);
+  octomap::OcTree again(0.15);
   std::istringstream stream(bytes.str());
   ASSERT_TRUE(again.readBinary(stream));
   EXPECT_EQ(rows_of(read_octree(bytes.str(), "f")), rows_of(again));

@@ -46,7 +46,9 @@ class Submaps(unittest.TestCase):
                 self.assertIn("mission, 6 submaps, 2 robots", run.stderr)
                 result = read_result(self.tiny.folder / f"out-{kind}")
                 for before, after in zip(self.direct["submaps"], result["submaps"], strict=True):
-                    self.assertEqual((after["id"], after["T_world_submap"]), (before["id"], before["T_world_submap"]))
+                    self.assertEqual(after["id"], before["id"])
+                    for x, y in zip(before["T_world_submap"], after["T_world_submap"], strict=True):
+                        self.assertAlmostEqual(x, y, delta=1e-12)  # a quaternion read is made unit again
                     # A centroid on the border of two voxels may round into the other one.
                     self.assertAlmostEqual(after["occupied"], before["occupied"], delta=0.002 * before["occupied"])
                     self.assertIsNone(after["first_scan"])

@@ -225,19 +225,29 @@ int refuse_output(const Error& error) {
   return exit_status_of_output(error.code);
 }
 
+// What was recognised, and what of it a person should know before any work.
+void print_notes_before(const Job& job) {
+  for (const SourceSummary& source : job.mission.sources) {
+    print_note(fmt::format("{}: {}", printable(source.source, 1024), describe(source)));
+  }
+  for (const std::string& note : job.mission.notes) print_note(note);
+  for (const std::string& note : notes_on_cells(job.mission, job.settings.check.submap.occupancy.resolution_m)) {
+    print_note(note);
+  }
+  for (const RobotLog& robot : job.mission.robots) {
+    if (!robot.finished_submaps || robot.read_cells) continue;
+    print_note(
+        fmt::format("robot {}: its submaps are points, which say nothing of free space; evidence that needs it "
+                    "is left out",
+                    robot.name));
+  }
+}
+
 int run_check(const CheckCommand& command) {
   Expected<Job> job = open_job(command);
   if (!job) return print_error(job.error());
   if (auto fit = probe_output_folder(command.output_folder); !fit) return refuse_output(fit.error());
-  if (!command.common.quiet) {
-    for (const SourceSummary& source : job->mission.sources) {
-      print_note(fmt::format("{}: {}", printable(source.source, 1024), describe(source)));
-    }
-    for (const std::string& note : job->mission.notes) print_note(note);
-    for (const std::string& note : notes_on_cells(job->mission, job->settings.check.submap.occupancy.resolution_m)) {
-      print_note(note);
-    }
-  }
+  if (!command.common.quiet) print_notes_before(*job);
   catch_stop_signals();
   const Expected<Result> result = run_job(command, *job);
   if (!result) return print_error(result.error());

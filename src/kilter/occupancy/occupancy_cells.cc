@@ -16,8 +16,12 @@
 namespace kilter {
 namespace {
 
-constexpr std::uint64_t kMaxBlocks = std::uint64_t{1} << 22;         // 144 bytes each
-constexpr std::uint64_t kMaxSurfaceVoxels = std::uint64_t{1} << 24;  // some 60 bytes each
+// How far pruned leaves may expand: a few bytes must not become minutes of work, so what goes beyond a small map has to
+// be borne out by many cells. Blocks are 144 bytes each, occupied voxels cost a microsecond or two.
+constexpr std::uint64_t kBlocksOfAny = std::uint64_t{1} << 19;
+constexpr std::uint64_t kBlocksPerCell = 8;
+constexpr std::uint64_t kSurfaceOfAny = std::uint64_t{1} << 18;
+constexpr std::uint64_t kSurfacePerCell = 512;
 // Files give a resolution with six digits; what differs by less is the same lattice.
 constexpr double kSameResolution = 1e-6;
 constexpr int kFreeSideRadius = 2;
@@ -50,13 +54,20 @@ std::uint64_t layer_mask(const Eigen::Vector3i& from, const Eigen::Vector3i& to)
 // Blocks that grow as cells fall into them.
 class BlockFiller {
  public:
-  BlockFiller(double resolution_m, float threshold) : resolution_m_(resolution_m), threshold_(threshold) {}
+  BlockFiller(double resolution_m, float threshold, std::size_t cells)
+      : resolution_m_(resolution_m),
+        threshold_(threshold),
+        most_blocks_(kBlocksOfAny + kBlocksPerCell * cells),
+        most_surface_(kSurfaceOfAny + kSurfacePerCell * cells) {}
+
+  [[nodiscard]] std::uint64_t most_blocks() const { return most_blocks_; }
+  [[nodiscard]] std::uint64_t most_surface() const { return most_surface_; }
 
   // \return false if the range is too much for one map.
   bool fill(const VoxelRange& range, float log_odds) {
     const bool occupied = log_odds >= threshold_;
-    if (blocks_.size() + range.blocks() > kMaxBlocks) return false;
-    if (occupied && surface_.size() + range.voxels() > kMaxSurfaceVoxels) return false;
+    if (blocks_.size() + range.blocks() > most_blocks_) return false;
+    if (occupied && surface_.size() + range.voxels() > most_surface_) return false;
     const Eigen::Vector3i first = block_of(range.first);
     const Eigen::Vector3i last = block_of(range.last);
     for (int z = first.z(); z <= last.z(); ++z) {
@@ -125,6 +136,8 @@ class BlockFiller {
 
   double resolution_m_;
   float threshold_;
+  std::uint64_t most_blocks_;
+  std::uint64_t most_surface_;
   std::vector<VoxelBlock> blocks_;
   std::vector<std::uint32_t> table_ = std::vector<std::uint32_t>(1024, 0);  // block number + 1, 0 = empty
   std::uint32_t last_ = 0;
@@ -233,7 +246,7 @@ bool on_lattice(const OccupancyCell& cell, double scale) {
 Expected<VoxelMap> map_from_cells(const OccupancyCells& known, const OccupancyOptions& options) {
   double scale = known.resolution_m / options.resolution_m;
   if (std::abs(scale - 1.0) < kSameResolution) scale = 1.0;
-  BlockFiller filler(options.resolution_m, log_odds_of(options.occupancy_threshold));
+  BlockFiller filler(options.resolution_m, log_odds_of(options.occupancy_threshold), known.cells.size());
   for (const OccupancyCell& cell : known.cells) {
     if (!on_lattice(cell, scale)) {
       return fail(ErrorCode::kUnsupported,
@@ -242,12 +255,12 @@ Expected<VoxelMap> map_from_cells(const OccupancyCells& known, const OccupancyOp
                   {}, "use a coarser resolution");
     }
     if (!filler.fill(range_of(cell, scale), cell.log_odds)) {
-      return fail(
-          ErrorCode::kUnsupported,
-          fmt::format("at {} m its cells are more than {} blocks of 8 x 8 x 8 voxels, or {} occupied voxels; "
-                      "the largest cell is a cube of {:.6g} m",
-                      options.resolution_m, kMaxBlocks, kMaxSurfaceVoxels, std::ldexp(known.resolution_m, cell.level)),
-          {}, "a submap reaches no farther than its sensor saw: cut it smaller, or use a coarser resolution");
+      return fail(ErrorCode::kUnsupported,
+                  fmt::format("at {} m its {} cells fill more than {} blocks of 8 x 8 x 8 voxels, or hold more than {} "
+                              "occupied voxels; one is a cube of {:.6g} m",
+                              options.resolution_m, known.cells.size(), filler.most_blocks(), filler.most_surface(),
+                              std::ldexp(known.resolution_m, cell.level)),
+                  {}, "a submap reaches no farther than its sensor saw: cut it smaller, or use a coarser resolution");
     }
   }
   return with_oriented_normals(filler.finish());

@@ -14,7 +14,7 @@ namespace kilter {
 
 /// A cube of one occupancy: a leaf of an octree. Covers 2^level cells an axis, from `index` on.
 struct OccupancyCell {
-  std::array<std::int16_t, 3> index{};  ///< x, y, z of its lowest cell, a multiple of 2^level
+  std::array<std::int16_t, 3> index{};  ///< x, y, z of its lowest cell
   std::uint8_t level = 0;               ///< 0 = one cell .. 16 = all there is
   float log_odds = 0.0F;                ///< of being occupied
 };
@@ -33,10 +33,10 @@ struct OccupancyCells {
 ///
 /// A voxel gets the largest log-odds of the cells that hold its centre and of the smaller ones whose centre it holds:
 /// at equal resolution it is its cell, exactly; a larger cell is all the voxels inside; of several smaller ones the
-/// most occupied counts. It is occupied from `options.occupancy_threshold` on, else free. Centroids are voxels'
-/// centres. \return  the map, has_free_space() if any voxel is free; or kUnsupported: a cell lies beyond the lattice,
-/// or the
-///          cells fill more than 2^22 blocks of 8 x 8 x 8 voxels (2 million m^3 at 0.1 m) or hold 2^24 occupied voxels.
+/// most occupied counts. It is occupied from `options.occupancy_threshold` on, else free. Centroids are centres.
+///
+/// \return  the map; or kUnsupported: a cell beyond the lattice, or n cells that fill over 2^19 + 8 n blocks of 8^3
+///          voxels (2^19 are 268,000 m^3 at 0.1 m) or hold over 2^18 + 512 n occupied voxels.
 /// O(V) for V voxels that are filled, about 1 us for each occupied one.
 [[nodiscard]] Expected<VoxelMap> map_from_cells(const OccupancyCells& known, const OccupancyOptions& options);
 

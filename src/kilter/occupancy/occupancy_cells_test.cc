@@ -121,6 +121,13 @@ TEST(OccupancyCells, TooManyForAMapAreRefused) {
   EXPECT_EQ(far.error().code, ErrorCode::kUnsupported);
 }
 
+TEST(OccupancyCells, MayBeLargeWhereManyBearItOut) {
+  // 128 voxels an edge are 2^21 occupied ones: too many for one cell, as free space still little.
+  EXPECT_FALSE(map_from_cells({0.1, {cell(0, 0, 0, 7, kSurface)}}, {}));
+  EXPECT_TRUE(map_from_cells({0.1, {cell(0, 0, 0, 7, kFree)}}, {}));
+  EXPECT_FALSE(map_from_cells({0.1, {cell(0, 0, 0, 10, kFree)}}, {}));
+}
+
 TEST(OccupancyCells, OfFarVoxelsDoNotFit) {
   EXPECT_TRUE(cell_of_voxel({-32768, 32767, 0}, 0.1, 0.0F));
   EXPECT_FALSE(cell_of_voxel({-32769, 0, 0}, 0.1, 0.0F));
