@@ -63,7 +63,45 @@ def pair(source, target, flags, samples):
             both + both)
 
 
+def octree(binary, size, body, kind="OcTree"):
+    line = "# Octomap OcTree binary file" if binary else "# Octomap OcTree file"
+    return f"{line}\n# seed\nid {kind}\nsize {size}\nres 0.1\ndata\n".encode() + body
+
+
+def node(log_odds, children, colour=b""):
+    return struct.pack("<f", log_odds) + colour + bytes([children])
+
+
+def las(minor, kind, record, count, records=b"", number=0):
+    """Version 1.`minor`, point format `kind`, points at whole metres."""
+    size = 375 if minor == 4 else 227
+    old = 0 if minor == 4 else count
+    head = b"LASF" + bytes(20) + bytes([1, minor]) + bytes(68)
+    head += struct.pack("<HIIBHI", size, size + len(records), number, kind, record, old) + bytes(20)
+    head = (head + struct.pack("<6d", 0.01, 0.01, 0.01, 10, -20, 0)).ljust(247, b"\0")
+    head = (head[:247] + struct.pack("<Q", count)).ljust(375, b"\0")[:size]
+    return head + records + b"".join(struct.pack("<3i", 100 * i, 200, -300).ljust(record, b"\1") for i in range(count))
+
+
+def write_trees():
+    chain = node(0.85, 128) + 14 * node(0.85, 1)
+    write("ot/two_cells", octree(False, 18, chain + node(0.85, 33) + node(0.85, 0) + node(-0.4, 0)))
+    write("ot/cubes", octree(False, 3, node(1.5, 65) + node(-2.0, 0) + node(1.5, 0)))
+    write("ot/colours", octree(False, 2, node(0.5, 1, b"\1\2\3") + node(0.25, 0, b"\4\5\6"), "ColorOcTree"))
+    write("ot/empty", octree(False, 0, b""))
+    write("ot/full_cube", octree(False, 10, node(1.0, 1) + node(1.0, 255) + 8 * node(1.0, 0)))
+    write("bt/cubes", octree(True, 6, b"\xc9\x80\x10\x00"))
+    write("bt/one_cell", octree(True, 17, b"\x00\xc0" + 14 * b"\x03\x00" + b"\x02\x00"))
+    write("bt/empty", octree(True, 0, b""))
+    write("bt/old", struct.pack("<idI", 3, 0.1, 6) + b"\xc9\x80\x10\x00")
+
+
 def main():
+    write_trees()
+    write("las/one_two", las(2, 1, 28, 2))
+    write("las/one_four", las(4, 6, 30, 3))
+    write("las/records", las(2, 0, 20, 1, bytes(20) + struct.pack("<H", 4) + bytes(32) + b"abcd", 1))
+    write("las/compressed", las(2, 0x81, 28, 1))
     text = b"".join(b"%g %g %g\n" % p for p in XYZ)
     little = b"".join(struct.pack("<3f", *p) for p in XYZ)
     big = b"".join(struct.pack(">3f", *p) for p in XYZ)

@@ -180,7 +180,7 @@ class Output(CheckCase):
         for folder, jobs in ((one, 1), (two, 2)):
             run_kilter("check", self.tiny.mission, "-o", folder, "--jobs", jobs, "--maps", *self.settings)
         names = sorted(str(path.relative_to(one)) for path in one.rglob("*") if path.is_file())
-        self.assertEqual(names, sorted([*FILES, "maps/a.ply", "maps/b.ply", "maps/global.ply"]))
+        self.assertEqual(names, sorted([*FILES, *(f"maps/{name}.{kind}" for name in ("a", "b", "global") for kind in ("ot", "ply"))]))
         for name in names:
             if name != "result.json":
                 self.assertEqual((one / name).read_bytes(), (two / name).read_bytes(), name)

@@ -14,7 +14,7 @@ import unittest
 from kilter_runner import SOURCE_DIR, main, run_kilter
 from tiny_mission import TinyMission
 
-COMMANDS = ("check", "info", "simulate", "config show", "explain")
+COMMANDS = ("check", "info", "simulate", "submaps", "config show", "explain")
 COMMON = ("--config", "--set", "--jobs", "--memory", "--quiet", "--verbose", "--json", "--no-color")
 # Keys that scripts rely on, with their defaults.
 KEYS = {"resolution": 0.1, "submap_distance": 10, "local_min_gap": 2, "d": 1.0, "fit": "moments", "floor": "quantisation",

@@ -23,6 +23,7 @@
 #include "kilter/io/cuts.h"
 #include "kilter/io/file.h"
 #include "kilter/io/mission.h"
+#include "kilter/io/octree_writer.h"
 #include "kilter/pipeline/check.h"
 #include "kilter/report/coloured_ply.h"
 #include "kilter/report/constraints_g2o.h"
@@ -33,6 +34,7 @@
 #include "kilter/report/report_html.h"
 #include "kilter/report/result_json.h"
 #include "kilter/report/summary.h"
+#include "kilter/submap/fuse_submaps.h"
 
 namespace kilter::app {
 namespace {
@@ -162,17 +164,29 @@ void add_pictures(std::vector<OutputFile>& files, const Result& result, const Co
   files.push_back({"result.kilter", std::move(archive)});
 }
 
-std::vector<OutputFile> output_files(const Result& result, const std::string& json, const ConfigEcho& config,
-                                     double tolerance_m, G2oDialect dialect) {
+// A fused map for viewers and, where its voxels are near enough to the world's origin, for OctoMap.
+void add_map(std::vector<OutputFile>& files, const FusedMap& map, const Result& result, bool quiet) {
+  const std::filesystem::path maps = "maps";
+  files.push_back({maps / (map.name + ".ply"), map_ply(map, result.robots)});
+  const Expected<OccupancyCells> cells = cells_from_fused(map.voxels, result.resolution_m);
+  if (cells) {
+    files.push_back({maps / (map.name + ".ot"), octree_bytes(*cells, OctreeFormat::kFull)});
+  } else if (!quiet) {
+    print_note(fmt::format("maps/{}.ot is not written: {}", printable(map.name), cells.error().message));
+  }
+}
+
+std::vector<OutputFile> output_files(const CheckCommand& command, const Result& result, const std::string& json,
+                                     const ConfigEcho& config, double tolerance_m) {
   std::vector<OutputFile> files = {
       {"pairs.csv", pairs_csv(result)},
       {"gamma.csv", matrix_csv(result, gamma_matrix(result).entries())},
       {"theta.csv", matrix_csv(result, theta_matrix(result).entries())},
       {"verified.csv", matrix_csv(result, verified_matrix(result).entries())},
-      {"constraints.g2o", constraints_g2o(result, dialect)},
+      {"constraints.g2o", constraints_g2o(result, command.g2o_dialect)},
   };
   for (const FusedMap& map : result.maps) {
-    files.push_back({std::filesystem::path("maps") / (map.name + ".ply"), map_ply(map, result.robots)});
+    add_map(files, map, result, command.common.quiet);
   }
   add_pictures(files, result, config, tolerance_m);
   files.push_back({"result.json", json});  // last: who finds a new one finds the rest new as well
@@ -211,16 +225,29 @@ int refuse_output(const Error& error) {
   return exit_status_of_output(error.code);
 }
 
+// What was recognised, and what of it a person should know before any work.
+void print_notes_before(const Job& job) {
+  for (const SourceSummary& source : job.mission.sources) {
+    print_note(fmt::format("{}: {}", printable(source.source, 1024), describe(source)));
+  }
+  for (const std::string& note : job.mission.notes) print_note(note);
+  for (const std::string& note : notes_on_cells(job.mission, job.settings.check.submap.occupancy.resolution_m)) {
+    print_note(note);
+  }
+  for (const RobotLog& robot : job.mission.robots) {
+    if (!robot.finished_submaps || robot.read_cells) continue;
+    print_note(
+        fmt::format("robot {}: its submaps are points, which say nothing of free space; evidence that needs it "
+                    "is left out",
+                    robot.name));
+  }
+}
+
 int run_check(const CheckCommand& command) {
   Expected<Job> job = open_job(command);
   if (!job) return print_error(job.error());
   if (auto fit = probe_output_folder(command.output_folder); !fit) return refuse_output(fit.error());
-  if (!command.common.quiet) {
-    for (const SourceSummary& source : job->mission.sources) {
-      print_note(fmt::format("{}: {}", printable(source.source, 1024), describe(source)));
-    }
-    for (const std::string& note : job->mission.notes) print_note(note);
-  }
+  if (!command.common.quiet) print_notes_before(*job);
   catch_stop_signals();
   const Expected<Result> result = run_job(command, *job);
   if (!result) return print_error(result.error());
@@ -229,8 +256,7 @@ int run_check(const CheckCommand& command) {
   const std::string json = result_json(*result, config, run_info(command));
   print_notes(command, *result);
   if (auto done = write_output_folder(
-          command.output_folder,
-          output_files(*result, json, config, job->settings.check.judge.tolerance_m, command.g2o_dialect));
+          command.output_folder, output_files(command, *result, json, config, job->settings.check.judge.tolerance_m));
       !done) {
     return refuse_output(done.error());
   }

@@ -17,5 +17,6 @@ void add_info_command(CLI::App& program, int& status);
 void add_register_command(CLI::App& program, int& status);
 void add_report_command(CLI::App& program, int& status);
 void add_simulate_command(CLI::App& program, int& status);
+void add_submaps_command(CLI::App& program, int& status);
 
 }  // namespace kilter::app

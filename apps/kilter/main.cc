@@ -89,6 +89,7 @@ int run(int argc, char** argv) {
   add_register_command(program, status);
   add_report_command(program, status);
   add_simulate_command(program, status);
+  add_submaps_command(program, status);
   add_config_command(program, status);
   add_explain_command(program, status);
   if (const std::optional<Error> error = find_unknown_command(program, argc, argv)) return print_error(*error);

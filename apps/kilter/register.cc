@@ -142,7 +142,7 @@ int run_register(const RegisterCommand& command) {
 void add_register_command(CLI::App& program, int& status) {
   const auto command = std::make_shared<RegisterCommand>();
   CLI::App* app = program.add_subcommand("register", "bring one cloud onto another: pose, covariance, observability");
-  app->add_option("TARGET", command->target, "a cloud: .bin, .pcd or .ply")->required();
+  app->add_option("TARGET", command->target, "a cloud: .bin, .pcd, .ply or .las")->required();
   app->add_option("SOURCE", command->source, "the cloud that is moved")->required();
   app->add_option("--init", command->init, "where to start, as T_target_source; the identity unless given")
       ->option_text("\"x y z qx qy qz qw\"");

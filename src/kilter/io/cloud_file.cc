@@ -4,6 +4,7 @@
 
 #include "kilter/io/bin_reader.h"
 #include "kilter/io/file.h"
+#include "kilter/io/las_reader.h"
 #include "kilter/io/number_text.h"
 #include "kilter/io/pcd_reader.h"
 #include "kilter/io/ply_reader.h"
@@ -16,12 +17,13 @@ std::optional<CloudFormat> cloud_format_of(std::string_view file_name) {
   if (extension == ".bin") return CloudFormat::kBin;
   if (extension == ".pcd") return CloudFormat::kPcd;
   if (extension == ".ply") return CloudFormat::kPly;
+  if (extension == ".las") return CloudFormat::kLas;
   return std::nullopt;
 }
 
 Expected<PointCloud> read_cloud_file(const std::filesystem::path& path) {
   const std::optional<CloudFormat> format = cloud_format_of(path.filename().native());
-  if (!format) return fail(ErrorCode::kUnsupported, "expected a .bin, .pcd or .ply file", shown(path));
+  if (!format) return fail(ErrorCode::kUnsupported, "expected a .bin, .pcd, .ply or .las file", shown(path));
   const Expected<ByteBuffer> bytes = read_file(path);
   if (!bytes) return pass_up(bytes.error());
   switch (*format) {
@@ -31,6 +33,8 @@ Expected<PointCloud> read_cloud_file(const std::filesystem::path& path) {
       return read_pcd(bytes->view(), shown(path));
     case CloudFormat::kPly:
       return read_ply(bytes->view(), shown(path));
+    case CloudFormat::kLas:
+      return read_las(bytes->view(), shown(path));
   }
   return PointCloud{};
 }

@@ -13,7 +13,7 @@
 namespace kilter {
 
 /// Files of points that kilter reads; the extension decides, in any case of letters.
-enum class CloudFormat { kBin, kPcd, kPly };
+enum class CloudFormat { kBin, kPcd, kPly, kLas };
 
 /// The format that a file's name promises; nothing for other names.
 [[nodiscard]] std::optional<CloudFormat> cloud_format_of(std::string_view file_name);

@@ -10,6 +10,7 @@
 #include "kilter/io/cloud_file.h"
 #include "kilter/io/file.h"
 #include "kilter/io/number_text.h"
+#include "kilter/io/octree_reader.h"
 
 namespace kilter {
 namespace {
@@ -60,6 +61,25 @@ void read_from_files(RobotLog& log, std::vector<fs::path> paths) {
     KILTER_EXPECTS(i < files->size());
     return shown((*files)[i]);
   };
+}
+
+Expected<void> read_from_octrees(RobotLog& log, std::vector<fs::path> paths) {
+  KILTER_EXPECTS(!paths.empty());
+  const Expected<double> cell_size_m = read_octree_resolution_m(paths.front());
+  if (!cell_size_m) return pass_up(cell_size_m.error());
+  log.cell_size_m = *cell_size_m;
+  read_from_files(log, paths);  // for the names
+  const auto files = std::make_shared<const std::vector<fs::path>>(std::move(paths));
+  log.read_cells = [files](std::size_t i) {
+    KILTER_EXPECTS(i < files->size());
+    return read_octree_file((*files)[i]);
+  };
+  log.read_cloud = [read_cells = log.read_cells](std::size_t i) -> Expected<PointCloud> {
+    const Expected<OccupancyCells> known = read_cells(i);
+    if (!known) return pass_up(known.error());
+    return occupied_centres(*known);
+  };
+  return {};
 }
 
 }  // namespace kilter

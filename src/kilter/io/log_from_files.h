@@ -17,6 +17,11 @@ namespace kilter {
 /// Makes `log` read its cloud i from `paths[i]` by read_cloud_file, when it is asked for.
 void read_from_files(RobotLog& log, std::vector<std::filesystem::path> paths);
 
+/// Makes `log` read its finished submap i from the tree `paths[i]` by read_octree_file: as cells, and as the occupied
+/// ones' centres where a cloud is asked for. The first one's header tells the size of all cells.
+/// \pre  `paths` is not empty. \return what read_octree_resolution_m fails with.
+[[nodiscard]] Expected<void> read_from_octrees(RobotLog& log, std::vector<std::filesystem::path> paths);
+
 /// "000012" of "000012.pcd", as a number, if it is one.
 [[nodiscard]] std::optional<std::uint64_t> number_of_file(std::string_view name);
 

@@ -15,6 +15,8 @@
 #include "kilter/io/bin_reader.h"
 #include "kilter/io/cuts.h"
 #include "kilter/io/g2o_reader.h"
+#include "kilter/io/las_reader.h"
+#include "kilter/io/octree_reader.h"
 #include "kilter/io/pcd_reader.h"
 #include "kilter/io/ply_reader.h"
 #include "kilter/io/pose_list.h"
@@ -24,6 +26,8 @@
 #include "kilter/io/sources/kitti_sequence.h"
 #include "testing/allocation_watch.h"
 #include "testing/cloud_bytes.h"
+#include "testing/las_bytes.h"
+#include "testing/octree_bytes.h"
 
 namespace kilter {
 namespace {
@@ -59,6 +63,8 @@ std::vector<Sample> samples() {
   const auto ply = [](const std::string& b) { return read_ply(b, "f").has_value(); };
   const auto poses = [](const std::string& b) { return read_poses(b, "f").has_value(); };
   const auto bin = [](const std::string& b) { return read_bin(b, "f").has_value(); };
+  const auto las = [](const std::string& b) { return read_las(b, "f").has_value(); };
+  const auto octree = [](const std::string& b) { return read_octree(b, "f").has_value(); };
   const auto cuts = [](const std::string& b) { return parse_cuts(b, "f").has_value(); };
   const std::string list = "element face 1\nproperty list uchar int i\nproperty char c\n";
   std::string face;
@@ -75,6 +81,10 @@ std::vector<Sample> samples() {
       {"ply little", ply_bytes("binary_little_endian", face + two_float_points(), list), ply},
       {"ply big", ply_bytes("binary_big_endian", two_float_points(std::endian::big)), ply},
       {"bin", record, bin},
+      {"las 1.2", kilter_testing::LasBytes().str(), las},
+      {"las 1.4", kilter_testing::LasBytes::version_1_4().str(), las},
+      {"ot", kilter_testing::full_octree().str(), octree},
+      {"bt", kilter_testing::binary_octree().str(), octree},
       {"tum", "# t x y z qx qy qz qw\n0 1.5 2 -3e0 0 0 0 1\n", poses, 1},
       {"kitti", "1 0 0 1 0 1 0 2 0 0 1 3\n", poses, 1},
       {"cuts", R"({"schema":"kilter.result/1","submaps":[{"robot":"a","first_scan":0,"last_scan":3}],"pairs":[]})",

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <string_view>
 #include <system_error>
 
@@ -274,6 +275,19 @@ Expected<Mission> open_mission(const std::vector<std::string>& sources, const Mi
     mission.robots.push_back(*std::move(log));
   }
   return mission;
+}
+
+std::vector<std::string> notes_on_cells(const Mission& mission, double resolution_m) {
+  std::vector<std::string> notes;
+  for (const RobotLog& robot : mission.robots) {
+    const double cell_m = robot.cell_size_m.value_or(resolution_m);
+    if (std::abs(cell_m / resolution_m - 1.0) < 1e-6) continue;
+    notes.push_back(
+        fmt::format("robot {}: its octrees have cells of {} m, compared at {} m; --set resolution={} takes "
+                    "them as they are",
+                    robot.name, cell_m, resolution_m, cell_m));
+  }
+  return notes;
 }
 
 std::string describe(const SourceSummary& source) {

@@ -41,6 +41,9 @@ struct Mission {
   std::vector<std::string> notes;      ///< what a person should know before any work; may be empty
 };
 
+/// What a person should know where finished submaps bring cells of another size than the voxels they become.
+[[nodiscard]] std::vector<std::string> notes_on_cells(const Mission& mission, double resolution_m);
+
 /// Opens the robots that command-line sources name; poses are read, points are not.
 ///
 /// A source is one robot's folder or file of any kind that kilter knows (sources/source_kind.h; its name is the

@@ -13,6 +13,7 @@
 
 #include "kilter/io/cloud_file.h"
 #include "testing/cloud_bytes.h"
+#include "testing/octree_bytes.h"
 #include "testing/temp_folder.h"
 
 namespace kilter {
@@ -250,9 +251,9 @@ TEST(OpenMission, RefusesScansThatWouldShiftOrMixTheOthers) {
   const TempFolder folder;
   folder.write("a/poses.tum", poses(1));
   fs::create_directories(folder.path() / "a/scans");
-  expect_error(open(folder), ErrorCode::kEmptyInput, "no .bin, .pcd or .ply file");
+  expect_error(open(folder), ErrorCode::kEmptyInput, "no .bin, .pcd, .ply or .las file");
   folder.write("a/scans/0.laz", "");
-  expect_error(open(folder), ErrorCode::kEmptyInput, "no .bin, .pcd or .ply file, only 0.laz");
+  expect_error(open(folder), ErrorCode::kEmptyInput, "no .bin, .pcd, .ply or .las file, only 0.laz");
   folder.write("a/scans/0.pcd", scan(0));
   EXPECT_TRUE(open(folder));
   folder.write("a/scans/1.ply", "");
@@ -276,9 +277,38 @@ TEST(OpenMission, ReadsFinishedSubmaps) {
   EXPECT_EQ(mission->robots[0].read_cloud(0).value().points_m.size(), 2U);
   EXPECT_EQ(mission->notes.size(), 1U);
   folder.write("a/submaps/1.bt", "");
-  expect_error(open(folder), ErrorCode::kUnsupported, "OctoMap");
+  expect_error(open(folder), ErrorCode::kUnsupported, "one folder holds one format, found 0.ply and 1.bt");
   fs::create_directory(folder.path() / "a/scans");
   expect_error(open(folder), ErrorCode::kUnsupported, "both scans/ and submaps/");
+}
+
+TEST(OpenMission, ReadsTreesAsFinishedSubmapsWithTheirCells) {
+  const TempFolder folder;
+  folder.write("a/poses.tum", poses(2));
+  folder.write("a/submaps/0.ot", kilter_testing::full_octree().str());
+  folder.write("a/submaps/1.bt", kilter_testing::binary_octree().str());
+  const auto mission = open(folder);
+  ASSERT_TRUE(mission) << to_string(mission.error());
+  const RobotLog& robot = mission->robots[0];
+  EXPECT_TRUE(robot.finished_submaps);
+  EXPECT_EQ(robot.cell_size_m, 0.1);
+  EXPECT_EQ(robot.read_cells(0).value().cells.size(), 2U);
+  EXPECT_EQ(robot.read_cells(1).value().cells.size(), 4U);
+  EXPECT_EQ(robot.read_cloud(0).value().points_m.size(), 1U);
+  EXPECT_NE(robot.cloud_name(1).find("1.bt"), std::string::npos);
+  folder.write("a/submaps/0.ot", "");
+  expect_error(open(folder), ErrorCode::kTruncated, "0.ot");
+}
+
+TEST(OpenMission, TakesATreeAsOneSubmapAtTheIdentity) {
+  const TempFolder folder;
+  const std::string file = folder.write("garage.ot", kilter_testing::full_octree().str()).string();
+  const auto mission = open_mission({file, "b=" + file});
+  ASSERT_TRUE(mission) << to_string(mission.error());
+  EXPECT_EQ(names_of(mission), (std::vector<std::string>{"b", "garage"}));
+  EXPECT_EQ(describe(mission->sources[0]), "OctoMap tree, 1 submap, 1 robot");
+  EXPECT_EQ(mission->robots[0].T_world_cloud.at(0).translation_m(), Eigen::Vector3d::Zero());
+  EXPECT_EQ(mission->robots[0].read_cells(0).value().cells.size(), 2U);
 }
 
 TEST(OpenMission, TakesPosesFromElsewhere) {
@@ -335,7 +365,7 @@ TEST(ReadCloudFile, GoesByTheExtension) {
   EXPECT_EQ(read_cloud_file(folder.write("a.BIN", bin)).value().points_m.size(), 1U);
   EXPECT_EQ(read_cloud_file(folder.write("a.pcd", scan(0))).value().points_m.size(), 1U);
   EXPECT_EQ(read_cloud_file(folder.write("a.ply", scan(0))).error().code, ErrorCode::kParse);
-  EXPECT_EQ(read_cloud_file(folder.write("a.las", "")).error().code, ErrorCode::kUnsupported);
+  EXPECT_EQ(read_cloud_file(folder.write("a.laz", "")).error().code, ErrorCode::kUnsupported);
   EXPECT_EQ(read_cloud_file(folder.write("pcd", "")).error().code, ErrorCode::kUnsupported);
   EXPECT_EQ(read_cloud_file(folder.path() / "none.pcd").error().code, ErrorCode::kNotFound);
 }

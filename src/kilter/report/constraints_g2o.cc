@@ -61,6 +61,15 @@ std::optional<Matrix6> information_for(G2oDialect dialect, const Matrix6& covari
   return 0.5 * (information + information.transpose());
 }
 
+std::string submaps_g2o(const std::vector<SubmapSummary>& submaps) {
+  std::string text;
+  for (const SubmapSummary& submap : submaps) {
+    text += fmt::format("# {}\nVERTEX_SE3:QUAT {}{}\n", printable(submap.name), submap.id.value,
+                        pose_text(submap.T_world_submap));
+  }
+  return text;
+}
+
 std::string constraints_g2o(const Result& result, G2oDialect dialect) {
   std::string text =
       "# kilter: submaps as vertices, T_world_submap; trusted registrations as edges target source, T_target_source\n";
@@ -77,10 +86,7 @@ std::string constraints_g2o(const Result& result, G2oDialect dialect) {
       text += "# information as Ceres' pose_graph_3d reads it: (x y z rx ry rz) along the target's axes\n";
       break;
   }
-  for (const SubmapSummary& submap : result.submaps) {
-    text += fmt::format("# {}\nVERTEX_SE3:QUAT {}{}\n", printable(submap.name), submap.id.value,
-                        pose_text(submap.T_world_submap));
-  }
+  text += submaps_g2o(result.submaps);
   for (const PairResult& pair : result.pairs) {
     if (pair.trusted) text += edge_text(result, pair, dialect);
   }

@@ -4,6 +4,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "kilter/geometry/pose3.h"
 #include "kilter/pipeline/result.h"
@@ -30,6 +31,9 @@ enum class G2oDialect {
 /// ones twice. Both sides perturb on the right, xi = (x y z rx ry rz) in the source's frame.
 /// \return  absent when the covariance is not finite, not positive definite, or too close to singular to invert.
 [[nodiscard]] std::optional<Matrix6> g2o_information(const Matrix6& covariance);
+
+/// VERTEX_SE3:QUAT for each submap: its id, T_world_submap, and its name in a comment before it.
+[[nodiscard]] std::string submaps_g2o(const std::vector<SubmapSummary>& submaps);
 
 /// The pose graph that the map's submaps and trusted registrations make, as g2o text.
 ///

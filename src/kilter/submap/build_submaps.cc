@@ -56,18 +56,36 @@ Expected<void> integrate(const RobotLog& log, std::size_t scan, const Pose3& T_s
   return {};
 }
 
-Expected<Submap> build_one(const RobotLog& log, const ScanRange& range, const SubmapOptions& options,
-                           const RunContext& run) {
-  Submap submap;
-  submap.T_world_submap = log.T_world_cloud[range.first];
-  if (!log.finished_submaps) submap.scans = range;
-  MapBuilder builder(options.occupancy);
+// A finished submap that is an occupancy map already.
+Expected<VoxelMap> map_of_cells(const RobotLog& log, std::size_t number, const OccupancyOptions& options) {
+  const Expected<OccupancyCells> cells = log.read_cells(number);
+  if (!cells) return pass_up(cells.error());
+  Expected<VoxelMap> map = map_from_cells(*cells, options);
+  if (!map) map.error().where = log.cloud_name(number);
+  return map;
+}
+
+Expected<VoxelMap> map_of_clouds(const RobotLog& log, const ScanRange& range, const OccupancyOptions& options,
+                                 const RunContext& run, Submap& submap) {
+  MapBuilder builder(options);
   for (std::size_t scan = range.first; scan <= range.last; ++scan) {
     if (run.stop_requested()) return fail(ErrorCode::kCancelled, "stopped while building submaps");
     const Expected<void> done = integrate(log, scan, pose_in_submap(log, range.first, scan), builder, submap);
     if (!done) return pass_up(done.error());
   }
-  submap.map = builder.finish();
+  return builder.finish();
+}
+
+Expected<Submap> build_one(const RobotLog& log, const ScanRange& range, const SubmapOptions& options,
+                           const RunContext& run) {
+  Submap submap;
+  submap.T_world_submap = log.T_world_cloud[range.first];
+  if (!log.finished_submaps) submap.scans = range;
+  const bool has_cells = log.finished_submaps && log.read_cells;
+  Expected<VoxelMap> map = has_cells ? map_of_cells(log, range.first, options.occupancy)
+                                     : map_of_clouds(log, range, options.occupancy, run, submap);
+  if (!map) return pass_up(map.error());
+  submap.map = *std::move(map);
   return submap;
 }
 

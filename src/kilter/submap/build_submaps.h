@@ -19,7 +19,7 @@ struct SubmapOptions {
 };
 
 /// Cuts one robot's log into submaps and builds their occupancy maps (Sec. III-A, Eq. 1), submaps in parallel, each
-/// reading its own scans.
+/// reading its own scans. A finished submap is one of its own: from points, or from cells as map_from_cells has it.
 ///
 /// \param robot_number  goes into Submap::robot.
 /// \param cuts          use these ranges instead of cutting; they must cover the log without gaps.

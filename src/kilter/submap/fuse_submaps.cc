@@ -84,4 +84,18 @@ std::vector<FusedVoxel> fuse_submaps(std::span<const Submap* const> submaps, con
   return fused;
 }
 
+Expected<OccupancyCells> cells_from_fused(std::span<const FusedVoxel> voxels, double resolution_m) {
+  OccupancyCells known{resolution_m, {}};
+  known.cells.reserve(voxels.size());
+  for (const FusedVoxel& voxel : voxels) {
+    // Beyond 16 bits anyway where the cast would not be defined.
+    const Eigen::Vector3d index = (voxel.centroid_world_m / resolution_m).cwiseMin(1e9).cwiseMax(-1e9);
+    const Expected<OccupancyCell> cell =
+        cell_of_voxel(index.array().floor().matrix().cast<int>(), resolution_m, static_cast<float>(voxel.log_odds));
+    if (!cell) return pass_up(cell.error());
+    known.cells.push_back(*cell);
+  }
+  return known;
+}
+
 }  // namespace kilter

@@ -6,6 +6,8 @@
 #include <span>
 #include <vector>
 
+#include "kilter/base/expected.h"
+#include "kilter/occupancy/occupancy_cells.h"
 #include "kilter/occupancy/occupancy_options.h"
 #include "kilter/submap/submap.h"
 
@@ -24,5 +26,9 @@ struct FusedVoxel {
 /// O(V log V) for V voxels.
 [[nodiscard]] std::vector<FusedVoxel> fuse_submaps(std::span<const Submap* const> submaps,
                                                    const OccupancyOptions& options);
+
+/// Fused voxels as cells of level 0 of the same lattice: occupied space alone, nothing of what is free.
+/// \return  the cells, or kUnsupported: what lies too far from the world's origin for 16 bits (see cells_from_map).
+[[nodiscard]] Expected<OccupancyCells> cells_from_fused(std::span<const FusedVoxel> voxels, double resolution_m);
 
 }  // namespace kilter

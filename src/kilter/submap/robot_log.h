@@ -5,12 +5,14 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "kilter/base/expected.h"
 #include "kilter/geometry/point_cloud.h"
 #include "kilter/geometry/pose3.h"
+#include "kilter/occupancy/occupancy_cells.h"
 
 namespace kilter {
 
@@ -26,10 +28,16 @@ struct RobotLog {
   /// What the source held before clouds and poses were brought together; equal to the size above where each had one.
   std::size_t clouds_found = 0;
   std::size_t poses_found = 0;
-  /// Each cloud is a whole submap in its own frame, not a scan: no sensor origin, so no free space.
+  /// Each cloud is a whole submap in its own frame, not a scan: no sensor origin, so no free space but what read_cells
+  /// brings.
   bool finished_submaps = false;
   /// Reads cloud i (0-based), in its own frame. May be called from several threads at once.
   std::function<Expected<PointCloud>(std::size_t)> read_cloud;
+  /// Set where finished submaps are occupancy maps already, with their probabilities and what they know to be free:
+  /// reads submap i, and build_submaps asks it instead of read_cloud. May be called from several threads at once.
+  std::function<Expected<OccupancyCells>(std::size_t)> read_cells;
+  /// Edge of their cells, as far as the first one tells. [m]
+  std::optional<double> cell_size_m;
   /// For messages: the file of cloud i.
   std::function<std::string(std::size_t)> cloud_name;
 };

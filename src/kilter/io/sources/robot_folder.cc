@@ -9,6 +9,8 @@
 #include "kilter/io/cloud_file.h"
 #include "kilter/io/file.h"
 #include "kilter/io/log_from_files.h"
+#include "kilter/io/number_text.h"
+#include "kilter/io/octree_reader.h"
 #include "kilter/io/pose_file.h"
 
 namespace kilter {
@@ -22,21 +24,23 @@ struct CloudList {
   std::vector<std::string> ignored;
 };
 
-bool is_octree(std::string_view name) { return name.ends_with(".ot") || name.ends_with(".bt"); }
+// What one folder holds of: a format of clouds, or OctoMap trees. Nothing for a file that is passed over.
+std::optional<std::string> family_of(std::string_view name, bool finished_submaps) {
+  if (finished_submaps && has_octree_name(name)) return "octree";
+  const std::optional<CloudFormat> format = cloud_format_of(name);
+  if (!format || (finished_submaps && *format == CloudFormat::kBin)) return std::nullopt;
+  return lower_case(name.substr(name.rfind('.')));
+}
 
 Expected<CloudList> list_clouds(const fs::path& folder, bool finished_submaps) {
   auto names = list_folder(folder);
   if (!names) return pass_up(names.error());
   CloudList list;
-  std::optional<CloudFormat> first_format;
+  std::optional<std::string> first_family;
   for (std::string& name : *names) {
     if (name.starts_with('.')) continue;
-    if (finished_submaps && is_octree(name)) {
-      return fail(ErrorCode::kUnsupported, "OctoMap trees (.ot, .bt) are not read", shown(folder / name),
-                  "save the occupied cells' centres as .pcd or .ply, in the submap's own frame");
-    }
-    const std::optional<CloudFormat> format = cloud_format_of(name);
-    if (!format || (finished_submaps && *format == CloudFormat::kBin)) {
+    const std::optional<std::string> family = family_of(name, finished_submaps);
+    if (!family) {
       list.ignored.push_back(std::move(name));
       continue;
     }
@@ -45,17 +49,18 @@ Expected<CloudList> list_clouds(const fs::path& folder, bool finished_submaps) {
       return fail(ErrorCode::kUnsupported, "named like a cloud, but neither a file nor a link to one",
                   shown(folder / name));
     }
-    if (first_format && *format != *first_format) {
+    if (first_family && *family != *first_family) {
       return fail(ErrorCode::kUnsupported,
                   fmt::format("one folder holds one format, found {} and {}", printable(list.files.front(), 80),
                               printable(name, 80)),
                   shown(folder));
     }
-    first_format = format;
+    first_family = family;
     list.files.push_back(std::move(name));
   }
   if (!list.files.empty()) return list;
-  const std::string expected = finished_submaps ? "no .pcd or .ply file" : "no .bin, .pcd or .ply file";
+  const std::string expected =
+      finished_submaps ? "no .ot, .bt, .pcd, .ply or .las file" : "no .bin, .pcd, .ply or .las file";
   return fail(ErrorCode::kEmptyInput,
               list.ignored.empty() ? expected : fmt::format("{}, only {}", expected, some_of(list.ignored)),
               shown(folder));
@@ -108,7 +113,11 @@ Expected<RobotLog> open_robot_folder(const SourceRequest& request, std::vector<s
   log.T_world_cloud = *std::move(poses);
   std::vector<fs::path> paths;
   for (const std::string& file : list->files) paths.push_back(clouds / file);
-  read_from_files(log, std::move(paths));
+  if (log.finished_submaps && has_octree_name(list->files.front())) {
+    if (auto ok = read_from_octrees(log, std::move(paths)); !ok) return pass_up(ok.error());
+  } else {
+    read_from_files(log, std::move(paths));
+  }
   return log;
 }
 

@@ -12,6 +12,7 @@
 #include "kilter/io/sources/kiss_slam.h"
 #include "kilter/io/sources/kitti_sequence.h"
 #include "kilter/io/sources/lt_mapper.h"
+#include "kilter/io/sources/octree_file.h"
 #include "kilter/io/sources/robot_folder.h"
 #include "kilter/io/sources/single_cloud.h"
 
@@ -28,6 +29,7 @@ std::span<const SourceKind> source_kinds() {
       SourceKind{"KITTI sequence", is_kitti_sequence, open_kitti_sequence},
       SourceKind{"folder of clouds", is_flat_folder, open_flat_folder},
       SourceKind{"single cloud", is_single_cloud, open_single_cloud},
+      SourceKind{"OctoMap tree", is_octree_file, open_octree_file},
       SourceKind{"file of another kind", is_foreign_file, refuse_foreign_file},
   };
   return kKinds;

@@ -1,0 +1,235 @@
+// SPDX-FileCopyrightText: The kilter authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <CLI/App.hpp>
+#include <CLI/Config.hpp>
+#include <CLI/Formatter.hpp>
+#include <fmt/format.h>
+
+#include "apps/kilter/commands.h"
+#include "apps/kilter/common_options.h"
+#include "apps/kilter/exit_status.h"
+#include "apps/kilter/output_folder.h"
+#include "apps/kilter/signals.h"
+#include "apps/kilter/submap_writer.h"
+#include "apps/kilter/terminal.h"
+#include "kilter/io/cuts.h"
+#include "kilter/io/file.h"
+#include "kilter/io/mission.h"
+#include "kilter/report/constraints_g2o.h"
+#include "kilter/report/json_writer.h"
+#include "kilter/submap/build_submaps.h"
+
+namespace kilter::app {
+namespace {
+
+struct SubmapsCommand {
+  CommonOptions common;
+  std::vector<std::string> sources;
+  std::string output_folder;
+  std::optional<std::string> poses_folder;
+  std::optional<std::string> cuts;
+  SubmapFormat format = SubmapFormat::kOt;
+  bool replace = false;
+};
+
+// What is to be written, read and found fit before any work begins.
+struct Job {
+  Settings settings;
+  Mission mission;
+  Cuts cuts;
+  std::size_t memory_bytes = 0;
+};
+
+struct WrittenRobot {
+  std::string name;
+  std::size_t submaps = 0;
+  std::size_t occupied = 0;
+  std::size_t bytes = 0;
+};
+
+// An error and whose it is: what the system refuses to our output is no fault of the input.
+struct Failure {
+  Error error;
+  bool is_output = false;
+};
+
+template <typename T>
+using Done = tl::expected<T, Failure>;
+
+tl::unexpected<Failure> failed(Error error, bool is_output = false) {
+  return tl::unexpected<Failure>(Failure{std::move(error), is_output});
+}
+
+std::filesystem::path folder_of(const SubmapsCommand& command, const RobotLog& robot) {
+  return std::filesystem::path(command.output_folder) / robot.name;
+}
+
+Done<Job> open_job(const SubmapsCommand& command) {
+  Job job;
+  const Expected<std::size_t> memory = parse_memory(command.common.memory);
+  if (!memory) return failed(memory.error());
+  job.memory_bytes = *memory;
+  Expected<Settings> settings = read_settings(command.common);
+  if (!settings) return failed(settings.error());
+  job.settings = *std::move(settings);
+  MissionOptions options;
+  options.T_body_sensor = job.settings.T_body_sensor;
+  if (command.poses_folder) options.poses_folder = *command.poses_folder;
+  Expected<Mission> mission = open_mission(command.sources, options);
+  if (!mission) return failed(mission.error());
+  job.mission = *std::move(mission);
+  if (command.cuts) {
+    Expected<Cuts> cuts = read_cuts(*command.cuts);
+    if (!cuts) return failed(cuts.error());
+    job.cuts = *std::move(cuts);
+  }
+  if (auto fit = probe_output_folder(command.output_folder); !fit) return failed(fit.error(), true);
+  for (const RobotLog& robot : job.mission.robots) {
+    if (auto fit = check_robot_folder(folder_of(command, robot), command.replace); !fit) {
+      return failed(fit.error(), true);
+    }
+  }
+  return job;
+}
+
+Expected<std::vector<Submap>> build(const Job& job, std::size_t number, const SubmapsCommand& command,
+                                    Progress& progress) {
+  const RobotLog& robot = job.mission.robots[number];
+  const std::string stage = "submaps of " + robot.name;
+  RunContext run{command.common.jobs, &stop_flag(), {}};
+  run.progress = [&](std::size_t done, std::size_t total) { progress.update(stage, done, total); };
+  const auto cut = job.cuts.find(robot.name);
+  const auto ranges = cut == job.cuts.end() ? std::nullopt : std::optional(cut->second);
+  Expected<std::vector<Submap>> submaps =
+      build_submaps(robot, static_cast<int>(number), job.settings.check.submap, run, ranges);
+  if (!submaps) return submaps;
+  std::size_t held = 0;
+  for (const Submap& submap : *submaps) held += submap.map.bytes();
+  if (job.memory_bytes == 0 || held <= job.memory_bytes) return submaps;
+  return fail(
+      ErrorCode::kOutOfMemory,
+      fmt::format("the submaps of {} need {:.0f} MB, more than --memory allows ({:.0f} MB)", printable(robot.name),
+                  static_cast<double>(held) / 1e6, static_cast<double>(job.memory_bytes) / 1e6),
+      {}, "raise --memory, or use a coarser resolution or a smaller max_range");
+}
+
+// When each submap began, where the source tells.
+std::vector<std::int64_t> stamps_of(const RobotLog& robot, const std::vector<Submap>& submaps) {
+  std::vector<std::int64_t> stamps_ns;
+  if (robot.stamps_ns.size() != robot.T_world_cloud.size()) return stamps_ns;
+  for (std::size_t i = 0; i < submaps.size(); ++i) {
+    stamps_ns.push_back(robot.stamps_ns[submaps[i].scans ? submaps[i].scans->first : i]);
+  }
+  return stamps_ns;
+}
+
+// Robot by robot, so that no more than one's submaps are in memory.
+Done<std::vector<WrittenRobot>> write_all(const SubmapsCommand& command, const Job& job) {
+  Progress progress(command.common.progress_style());
+  std::vector<WrittenRobot> written;
+  std::vector<SubmapSummary> vertices;
+  for (std::size_t number = 0; number < job.mission.robots.size(); ++number) {
+    const RobotLog& robot = job.mission.robots[number];
+    const Expected<std::vector<Submap>> submaps = build(job, number, command, progress);
+    if (!submaps) return failed(submaps.error());
+    if (stop_flag()) return failed({ErrorCode::kCancelled, "stopped on request", {}, {}});
+    WrittenRobot& summary = written.emplace_back(WrittenRobot{robot.name, submaps->size(), 0, 0});
+    const Expected<std::size_t> bytes = write_submaps(folder_of(command, robot), *submaps, stamps_of(robot, *submaps),
+                                                      command.format, job.settings.check.submap.occupancy);
+    if (!bytes) return failed(bytes.error(), bytes.error().code != ErrorCode::kUnsupported);
+    summary.bytes = *bytes;
+    for (const Submap& submap : *submaps) {
+      summary.occupied += submap.map.voxels().size();
+      SubmapSummary& vertex = vertices.emplace_back();
+      vertex.id = {static_cast<int>(vertices.size()) - 1};
+      vertex.name = submap.name;
+      vertex.T_world_submap = submap.T_world_submap;
+    }
+  }
+  if (auto done = write_output_folder(command.output_folder, {{"submaps.g2o", submaps_g2o(vertices)}}); !done) {
+    return failed(done.error(), true);
+  }
+  return written;
+}
+
+std::string as_json(const SubmapsCommand& command, const std::vector<WrittenRobot>& robots) {
+  JsonWriter json;
+  json.open_object().field("schema", "kilter.submaps/1").field("folder", command.output_folder);
+  json.field("format", extension_of(command.format)).key("robots").open_list();
+  for (const WrittenRobot& robot : robots) {
+    json.open_object(JsonWriter::Layout::kCompact).field("name", robot.name).field("submaps", robot.submaps);
+    json.field("occupied", robot.occupied).field("bytes", robot.bytes).close();
+  }
+  return json.close().close().take();
+}
+
+std::string as_text(const SubmapsCommand& command, const std::vector<WrittenRobot>& robots) {
+  std::string text;
+  for (const WrittenRobot& robot : robots) {
+    text += fmt::format("{}: {} submap{}, {} occupied voxels, {:.1f} MB\n", printable(robot.name), robot.submaps,
+                        robot.submaps == 1 ? "" : "s", robot.occupied, static_cast<double>(robot.bytes) / 1e6);
+  }
+  const std::string folder = shown(std::filesystem::path(command.output_folder));
+  return text + fmt::format("in {0}; `kilter check {0}` reads them\n", folder);
+}
+
+void print_notes(const SubmapsCommand& command, const Job& job) {
+  if (command.common.quiet) return;
+  for (const SourceSummary& source : job.mission.sources) {
+    print_note(fmt::format("{}: {}", printable(source.source, 1024), describe(source)));
+  }
+  for (const std::string& note : job.mission.notes) print_note(note);
+  for (const std::string& note : notes_on_cells(job.mission, job.settings.check.submap.occupancy.resolution_m)) {
+    print_note(note);
+  }
+  if (command.format == SubmapFormat::kPcd || command.format == SubmapFormat::kPly) {
+    print_note("points alone say nothing of free space, and verdicts lack that evidence; --format ot keeps it");
+  }
+}
+
+int finish(const Failure& failure) {
+  print_error(failure.error);
+  return failure.is_output ? exit_status_of_output(failure.error.code) : exit_status(failure.error.code);
+}
+
+int run_submaps(const SubmapsCommand& command) {
+  const Done<Job> job = open_job(command);
+  if (!job) return finish(job.error());
+  print_notes(command, *job);
+  catch_stop_signals();
+  const Done<std::vector<WrittenRobot>> written = write_all(command, *job);
+  if (!written) return finish(written.error());
+  const Expected<void> done = print_out(command.common.json ? as_json(command, *written) : as_text(command, *written));
+  return done ? kExitGood : finish({done.error(), true});
+}
+
+}  // namespace
+
+void add_submaps_command(CLI::App& program, int& status) {
+  const auto command = std::make_shared<SubmapsCommand>();
+  CLI::App* app = program.add_subcommand("submaps", "write the submaps that check would compare");
+  app->add_option("SOURCE", command->sources, "a mission's folder, a robot's folder, or NAME=PATH")->required();
+  app->add_option("-o,--output", command->output_folder, "folder for ROBOT/submaps/ and ROBOT/poses.tum")
+      ->option_text("DIR")
+      ->required();
+  const std::map<std::string, SubmapFormat> formats = {
+      {"ot", SubmapFormat::kOt}, {"bt", SubmapFormat::kBt}, {"pcd", SubmapFormat::kPcd}, {"ply", SubmapFormat::kPly}};
+  app->add_option("--format", command->format, "octrees with or without probabilities, or points")
+      ->option_text("ot|bt|pcd|ply (ot)")
+      ->transform(CLI::CheckedTransformer(formats).description(""));
+  app->add_option("--poses", command->poses_folder, "take DIR/ROBOT/poses.* instead of each robot's own poses")
+      ->option_text("DIR");
+  app->add_option("--cuts", command->cuts, "cut submaps at the same scans as this result of check")
+      ->option_text("RESULT");
+  app->add_flag("--replace", command->replace, "replace submaps that an earlier run wrote");
+  add_common_options(*app, command->common);
+  app->callback([command, &status] { status = run_submaps(*command); });
+}
+
+}  // namespace kilter::app

@@ -1,0 +1,146 @@
+# SPDX-FileCopyrightText: The kilter authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""kilter submaps, driven from outside: what it writes reads back as what was written, and nobody's files are touched."""
+
+from __future__ import annotations
+
+import json
+import struct
+import unittest
+from pathlib import Path
+
+from kilter_runner import main, run_kilter
+from tiny_mission import TinyMission, read_result
+
+FORMATS = ("ot", "bt", "pcd", "ply")
+
+
+def bytes_below(folder: Path) -> dict[str, bytes]:
+    return {str(file.relative_to(folder)): file.read_bytes() for file in sorted(folder.rglob("*")) if file.is_file()}
+
+
+class Submaps(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.tiny = TinyMission().__enter__()
+        cls.out = cls.tiny.folder / "direct"
+        run_kilter("check", cls.tiny.mission, "-o", cls.out)
+        cls.direct = read_result(cls.out)
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.tiny.__exit__()
+
+    def write(self, name: str, *options: object) -> Path:
+        folder = self.tiny.folder / name
+        run = run_kilter("submaps", self.tiny.mission, "-o", folder, *options)
+        self.assertEqual(run.status, 0, run.stderr)
+        return folder
+
+    def test_every_format_reads_back_as_the_same_voxels(self):
+        for kind in FORMATS:
+            with self.subTest(kind):
+                folder = self.write(kind, "--format", kind)
+                run = run_kilter("check", folder, "-o", self.tiny.folder / f"out-{kind}")
+                self.assertIn(run.status, (0, 1, 4), run.stderr)
+                self.assertIn("mission, 6 submaps, 2 robots", run.stderr)
+                result = read_result(self.tiny.folder / f"out-{kind}")
+                for before, after in zip(self.direct["submaps"], result["submaps"], strict=True):
+                    self.assertEqual(after["id"], before["id"])
+                    for x, y in zip(before["T_world_submap"], after["T_world_submap"], strict=True):
+                        self.assertAlmostEqual(x, y, delta=1e-12)  # a quaternion read is made unit again
+                    # A centroid on the border of two voxels may round into the other one.
+                    self.assertAlmostEqual(after["occupied"], before["occupied"], delta=0.002 * before["occupied"])
+                    self.assertIsNone(after["first_scan"])
+                if kind == "ot":
+                    self.assertEqual(run.status, 1, run.stdout)
+
+    def test_what_is_written_is_a_mission_and_a_pose_graph(self):
+        folder = self.write("layout", "--jobs", 1)
+        names = [f"{robot}/{name}" for robot in "ab"
+                 for name in ("poses.tum", *(f"submaps/{i:06}.ot" for i in range(3)))]
+        self.assertEqual(sorted(bytes_below(folder)), sorted([*names, "submaps.g2o"]))
+        self.assertEqual((folder / "submaps.g2o").read_text().count("VERTEX_SE3:QUAT"), 6)
+        again = self.write("again", "--jobs", 4)
+        self.assertEqual(bytes_below(again), bytes_below(folder), "the same bytes on any number of threads")
+
+    def test_json_counts_what_was_written(self):
+        run = run_kilter("submaps", self.tiny.mission, "-o", self.tiny.folder / "json", "--json", "--quiet")
+        told = json.loads(run.stdout)
+        self.assertEqual((told["schema"], told["format"], run.stderr), ("kilter.submaps/1", "ot", ""))
+        self.assertEqual([robot["submaps"] for robot in told["robots"]], [3, 3])
+        self.assertEqual(sum(robot["occupied"] for robot in told["robots"]),
+                         sum(submap["occupied"] for submap in self.direct["submaps"]))
+
+    def test_submaps_that_are_there_are_replaced_only_when_asked(self):
+        folder = self.write("twice")
+        (folder / "a" / "submaps" / "000099.ot").write_bytes(b"of an earlier, longer run")
+        (folder / "a" / "submaps" / "notes.txt").write_bytes(b"mine")
+        before = bytes_below(folder)
+        run = run_kilter("submaps", self.tiny.mission, "-o", folder)
+        self.assertEqual((run.status, bytes_below(folder)), (2, before))
+        self.assertIn("--replace", run.stderr)
+        self.write("twice", "--replace", "--format", "ply")
+        after = bytes_below(folder)
+        self.assertEqual(after["a/submaps/notes.txt"], b"mine")
+        self.assertFalse([name for name in after if name.endswith(".ot")])
+
+    def test_folders_of_others_are_refused(self):
+        run = run_kilter("submaps", self.tiny.mission, "-o", self.tiny.mission)
+        self.assertEqual((run.status, run.stdout), (2, ""))
+        self.assertIn("scans", run.stderr)
+        folder = self.tiny.folder / "theirs"
+        for name in ("a/poses.txt", "a/submaps/cloud.pcd"):
+            (folder / name).parent.mkdir(parents=True, exist_ok=True)
+            (folder / name).write_text("")
+            run = run_kilter("submaps", self.tiny.mission, "-o", folder, "--replace")
+            self.assertEqual((run.status, list(bytes_below(folder))), (2, [name]))
+            (folder / name).unlink()
+
+    def test_a_file_in_the_place_of_the_folder_is_an_output_error(self):
+        file = self.tiny.folder / "file"
+        file.write_text("")
+        self.assertEqual(run_kilter("submaps", self.tiny.mission, "-o", file).status, 5)
+        self.assertEqual(run_kilter("submaps", self.tiny.mission).status, 2)
+        self.assertEqual(run_kilter("submaps", self.tiny.folder / "none", "-o", file).status, 3)
+
+
+class Trees(unittest.TestCase):
+    def test_single_trees_are_compared(self):
+        with TinyMission() as tiny:
+            run_kilter("submaps", tiny.mission, "-o", tiny.folder / "trees", "--set", "submap_distance=100")
+            tree = tiny.folder / "trees" / "a" / "submaps" / "000000.ot"
+            run = run_kilter("check", f"a={tree}", f"b={tree}", "-o", tiny.folder / "out")
+            self.assertEqual(run.status, 0, run.stdout + run.stderr)
+            self.assertIn("OctoMap tree, 1 submap, 1 robot", run.stderr)
+            self.assertEqual(run_kilter("info", tree).status, 0)
+            coarse = run_kilter("check", f"a={tree}", f"b={tree}", "-o", tiny.folder / "out", "--set", "resolution=0.2")
+            self.assertIn("--set resolution=0.1", coarse.stderr)
+
+    def test_hostile_trees_end_with_status_3_and_the_file(self):
+        with TinyMission() as tiny:
+            head = "# Octomap OcTree {}file\nid OcTree\nsize {}\nres {}\ndata\n"
+            bombs = {
+                "deep.bt": head.format("binary ", 400001, 0.1).encode() + b"\xff" * 200_000,
+                "deep.ot": head.format("", 400000, 0.1).encode() + b"\xff" * 2_000_000,
+                "short.bt": head.format("binary ", 6, 0.1).encode() + b"\xc9",
+                "size.ot": head.format("", 10**18, 0.1).encode() + b"\0" * 5,
+                "zero.ot": head.format("", 1, 0).encode() + b"\0" * 5,
+                "nan.ot": head.format("", 1, "nan").encode() + b"\0" * 5,
+                "class.ot": head.format("", 1, 0.1).replace("id OcTree", "id SemanticOcTree").encode() + b"\0" * 5,
+                "all.ot": head.format("", 1, 0.1).encode() + struct.pack("<fB", -2.0, 0),
+                "old.bt": struct.pack("<idI", 3, 0.1, 6) + b"\xc9\x80\x10\x00",
+                "empty.ot": b"",
+            }
+            for name, content in bombs.items():
+                with self.subTest(name):
+                    file = tiny.folder / name
+                    file.write_bytes(content)
+                    run = run_kilter("check", file, "-o", tiny.folder / "none")
+                    self.assertEqual((run.status, run.stdout), (3, ""), run.stderr)
+                    self.assertIn(name, run.stderr)
+                    self.assertFalse((tiny.folder / "none").exists())
+
+
+if __name__ == "__main__":
+    main()
