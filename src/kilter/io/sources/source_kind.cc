@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 
+#include "kilter/io/bags/bag_source.h"
 #include "kilter/io/sources/foreign_file.h"
 #include "kilter/io/sources/robot_folder.h"
 
@@ -14,6 +15,9 @@ std::span<const SourceKind> source_kinds() {
   // What interface.md promises comes first; what guesses most comes last.
   static constexpr std::array kKinds = {
       SourceKind{"robot folder", is_robot_folder, open_robot_folder},
+      SourceKind{"ROS 1 bag", is_rosbag1, open_rosbag1_source, true},
+      SourceKind{"ROS 2 bag (MCAP)", is_mcap_bag, open_mcap_source, true},
+      SourceKind{"ROS 2 bag (sqlite3)", is_sqlite_bag, open_sqlite_source, true},
       SourceKind{"file of another kind", is_foreign_file, refuse_foreign_file},
   };
   return kKinds;
