@@ -197,8 +197,8 @@ TEST(BagLog, ReadsMessagesPackedOneByOneAndPartsOfARecording) {
   for (RecordedMessage& message : messages) message.bytes = kilter_testing::zstd_bytes(message.bytes);
   const auto half = static_cast<std::ptrdiff_t>(messages.size() / 2);
   std::filesystem::create_directories(folder.path() / "run");
-  write_sqlite_bag(folder.path() / "run/run_9.db3", {messages.begin(), messages.begin() + half});
-  write_sqlite_bag(folder.path() / "run/run_10.db3", {messages.begin() + half, messages.end()});
+  kilter_testing::write_sqlite_bag(folder.path() / "run/run_9.db3", {messages.begin(), messages.begin() + half});
+  kilter_testing::write_sqlite_bag(folder.path() / "run/run_10.db3", {messages.begin() + half, messages.end()});
   const auto mission = open_mission({folder.path() / "run"});
   ASSERT_TRUE(mission) << to_string(mission.error());
   EXPECT_EQ(mission->robots[0].T_world_cloud.size(), 4U);

@@ -63,8 +63,9 @@ class BagReader {
 
   /// Goes once through all messages, in the order of the file, counts each, and shows those of a type that kilter
   /// reads. Chunks that hold none of them are passed over where an index says so. A recording that was cut short is
-  /// read as far as it is whole, and notes() says so. \return  kParse, kTruncated, kUnsupported, kIo, kOutOfMemory with
-  /// the byte offset.
+  /// read as far as it is whole, and notes() says so.
+  ///
+  /// \return  kParse, kTruncated, kUnsupported, kIo, kOutOfMemory with the byte offset.
   [[nodiscard]] virtual Expected<void> walk(const MessageVisitor& visit) = 0;
 
   /// Reads one message again. May be called from several threads at once. \return what walk fails with.

@@ -16,8 +16,9 @@ inline constexpr std::string_view kRosbag1Magic = "#ROSBAG V";
 ///
 /// The file is walked from the front: the index at its end only says which connections there are, and the records
 /// behind each chunk which of them it holds, so that chunks without clouds and poses are passed over. A bag that was
-/// never closed (.bag.active) or cut short is read as far as its records and chunks are whole. \return  a reader whose
-/// walk does the reading; or kParse (no bag), kUnsupported (another version, encrypted).
+/// never closed (.bag.active) or cut short is read as far as its records and chunks are whole.
+///
+/// \return  a reader whose walk does the reading; or kParse (no bag), kUnsupported (another version, encrypted).
 [[nodiscard]] Expected<std::unique_ptr<BagReader>> open_rosbag1(RandomAccessFile file);
 
 }  // namespace kilter
