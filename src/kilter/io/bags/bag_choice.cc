@@ -39,6 +39,10 @@ std::string label(const BagTopic& topic) {
   return fmt::format("{} ({})", printable(topic.name, 80), name_of(topic.ros_type));
 }
 
+std::string in_a_line(const Error& error) {
+  return fmt::format("{}: {}: {}", error_code_name(error.code), error.where, error.message);
+}
+
 Expected<void> check_wanted(const Context& context) {
   for (const std::string& name : context.wanted) {
     const auto found = std::find_if(context.contents.topics.begin(), context.contents.topics.end(),
@@ -60,7 +64,7 @@ void note_unusable(const Context& context, const BagTopic& topic, std::size_t ot
   }
   if (unusable.messages > 0) {
     context.note(fmt::format("{} messages of {} could not be used; the first: {}", unusable.messages, label(topic),
-                             to_string(*unusable.first)));
+                             in_a_line(*unusable.first)));
   }
 }
 
@@ -169,7 +173,7 @@ Expected<ChosenPoses> choose_wanted_poses(const Context& context, const std::str
   const Unusable& transforms = context.contents.unusable_transforms;
   if (transforms.messages > 0) {
     context.note(fmt::format("{} messages of transforms could not be used; the first: {}", transforms.messages,
-                             to_string(*transforms.first)));
+                             in_a_line(*transforms.first)));
   }
   return *std::move(chosen);
 }

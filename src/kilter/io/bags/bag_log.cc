@@ -41,11 +41,18 @@ Expected<RobotLog> make_bag_log(std::string name, BagFiles files, const WantedTo
                                 std::vector<std::string>& notes) {
   const auto contents = read_contents(files);
   if (!contents) return pass_up(contents.error());
+  std::string first_note;
   for (const auto& file : files) {
     for (const std::string& note : file->notes()) notes.push_back(fmt::format("robot {}: {}", name, note));
+    if (first_note.empty() && !file->notes().empty()) first_note = file->notes().front();
   }
   auto choice = choose_from(*contents, wanted, name, where, notes);
-  if (!choice) return pass_up(choice.error());
+  if (!choice) {
+    // Notes are told with a result only, and what was cut off may be what is missed.
+    Error error = std::move(choice.error());
+    if (!first_note.empty()) error.hint += (error.hint.empty() ? "" : "; ") + first_note;
+    return pass_up(std::move(error));
+  }
   const auto bag = std::make_shared<OpenBag>();
   bag->files = std::move(files);
   bag->encoding = choice->clouds->topic.encoding;

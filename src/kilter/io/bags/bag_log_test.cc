@@ -140,6 +140,22 @@ TEST(BagLog, PrefersTheOdometryThatWasStampedWithTheClouds) {
   EXPECT_EQ(x_of(*open_recording(messages), 3), 3.0);
 }
 
+TEST(BagLog, DoesNotTakeAGoalForATrajectory) {
+  std::vector<RecordedMessage> messages;
+  for (int i = 0; i < 4; ++i) {
+    const std::int64_t stamp_ns = kStart + kTenth * i;
+    messages.push_back(cloud(i));
+    messages.push_back({"/tf", "tf2_msgs/TFMessage", stamp_ns,
+                        kilter_testing::transforms_message(kCdr, {{stamp_ns, "map", "lidar", at_x(i)}})});
+  }
+  messages.push_back(
+      {"/goal", "geometry_msgs/PoseStamped", kStart, kilter_testing::pose_message(kCdr, kStart, "map", at_x(77))});
+  const auto mission = open_recording(messages);
+  ASSERT_TRUE(mission) << to_string(mission.error());
+  ASSERT_EQ(mission->robots[0].T_world_cloud.size(), 4U);
+  EXPECT_EQ(x_of(*mission, 3), 3.0);
+}
+
 TEST(BagLog, MovesPosesOfTheVehicleByStaticTransforms) {
   std::vector<RecordedMessage> messages = {cloud(0), cloud(1), odometry(0, 0, "/odom", "base"),
                                            odometry(1, 1, "/odom", "base")};
@@ -209,6 +225,24 @@ TEST(BagLog, ReadsMessagesPackedOneByOneAndPartsOfARecording) {
   const auto packed = open_mission({folder.write("run_0.db3.zstd", "")});
   ASSERT_FALSE(packed);
   EXPECT_THAT(packed.error().hint, HasSubstr("zstd -d"));
+}
+
+TEST(BagLog, LeavesAMissionWithABagBesideItsRobotsAMission) {
+  const kilter_testing::TempFolder folder;
+  static_cast<void>(folder.write("run.mcap", mcap_bytes(small_drive(kCdr))));
+  static_cast<void>(folder.write("a/scans/0.bin", ""));
+  static_cast<void>(folder.write("a/poses.tum", "0 0 0 0 0 0 0 1\n"));
+  const auto mission = open_mission({folder.path()});
+  ASSERT_TRUE(mission) << to_string(mission.error());
+  EXPECT_EQ(mission->sources[0].kind, "mission");
+}
+
+TEST(BagLog, TellsThatARecordingWasCutWhereSomethingIsMissing) {
+  const kilter_testing::TempFolder folder;
+  const auto refused = open_mission({folder.write("run.mcap", mcap_bytes(small_drive(kCdr)).substr(0, 100))});
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::kEmptyInput);
+  EXPECT_THAT(refused.error().hint, HasSubstr("cut short"));
 }
 
 TEST(BagLog, TakesTopicsOfBagsOnly) {

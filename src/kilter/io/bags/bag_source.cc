@@ -15,6 +15,7 @@
 #include "kilter/io/file.h"
 #include "kilter/io/number_text.h"
 #include "kilter/io/random_access_file.h"
+#include "kilter/io/sources/robot_folder.h"
 
 namespace kilter {
 namespace {
@@ -31,9 +32,12 @@ bool has_extension(std::string_view name, std::string_view extension) {
 bool is_bag_of(const fs::path& path, std::string_view extension) {
   if (is_file(path)) return has_extension(path.filename().native(), extension);
   const auto names = is_folder(path) ? list_folder(path) : Expected<std::vector<std::string>>();
-  return names && std::any_of(names->begin(), names->end(), [&](const std::string& name) {
-           return has_extension(name, extension) && is_file(path / name);
-         });
+  if (!names) return false;
+  const auto is_part = [&](const std::string& name) { return has_extension(name, extension) && is_file(path / name); };
+  // A mission's folder may have the bags that it was made of beside its robots.
+  return std::any_of(names->begin(), names->end(), is_part) &&
+         std::none_of(names->begin(), names->end(),
+                      [&](const std::string& name) { return is_robot_folder(path / name); });
 }
 
 // "run_12.mcap" is part 12 of "run".

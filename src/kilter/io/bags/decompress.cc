@@ -76,11 +76,10 @@ Unpacked unpack_into(Packing packing, std::string_view packed, ByteBuffer& into)
 
 Expected<ByteBuffer> unpack(Packing packing, std::string_view packed, std::uint64_t unpacked_bytes,
                             const std::string& where) {
-  const std::uint64_t by_ratio = std::max<std::uint64_t>(kFreeUnpackedBytes, kMaxUnpackedRatio * packed.size());
-  if (unpacked_bytes > std::min(kMaxUnpackedBytes, by_ratio)) {
+  if (unpacked_bytes > most_unpacked(packed.size())) {
     return fail(ErrorCode::kUnsupported,
-                fmt::format("{} packed bytes claim to hold {}; at most {} are unpacked, and {} times as many",
-                            packed.size(), unpacked_bytes, kMaxUnpackedBytes, kMaxUnpackedRatio),
+                fmt::format("{} packed bytes claim to hold {}; of so few at most {} are unpacked", packed.size(),
+                            unpacked_bytes, most_unpacked(packed.size())),
                 where);
   }
   Expected<ByteBuffer> bytes = ByteBuffer::allocate(static_cast<std::size_t>(unpacked_bytes));

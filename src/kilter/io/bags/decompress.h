@@ -15,16 +15,23 @@ namespace kilter {
 /// How a bag's chunk is packed.
 enum class Packing { kNone, kBz2, kLz4, kZstd };
 
-/// A chunk that claims to unpack to more is refused: recorders cut chunks at some MB, and a larger one holds a single
-/// message.
-inline constexpr std::uint64_t kMaxUnpackedBytes = std::uint64_t{1} << 30;
-
-/// So is one that claims more than this many times its packed size: LZ4 cannot exceed 255, and no recording that holds
-/// clouds comes near.
+/// What a chunk may claim to unpack to: at most this many times its packed size (LZ4 cannot exceed 255, and no
+/// recording that holds clouds comes near), where that is more than a page or so ...
 inline constexpr std::uint64_t kMaxUnpackedRatio = 1000;
-
-/// What unpacks to less than this is never refused for its ratio.
 inline constexpr std::uint64_t kFreeUnpackedBytes = std::uint64_t{1} << 16;
+
+/// ... and at most 128 MiB and three times its packed size, never more than 1 GiB: recorders cut chunks at some MB, and
+/// a larger one holds a single message. So a file's size bounds the memory that it can take.
+inline constexpr std::uint64_t kMaxUnpackedBytes = std::uint64_t{1} << 30;
+[[nodiscard]] constexpr std::uint64_t most_unpacked(std::uint64_t packed_bytes) {
+  const std::uint64_t packed = packed_bytes < kMaxUnpackedBytes ? packed_bytes : kMaxUnpackedBytes;
+  const std::uint64_t by_ratio = kMaxUnpackedRatio * packed;
+  const std::uint64_t by_size = (std::uint64_t{1} << 27) + 3 * packed;
+  const std::uint64_t most = by_ratio < kFreeUnpackedBytes ? kFreeUnpackedBytes
+                             : by_ratio < by_size          ? by_ratio
+                                                           : by_size;
+  return most < kMaxUnpackedBytes ? most : kMaxUnpackedBytes;
+}
 
 /// Unpacks one chunk: a bzip2 stream, an LZ4 frame or a Zstandard frame.
 ///

@@ -26,6 +26,17 @@ TEST(Unpack, RefusesClaimsBeyondItsBoundsBeforeItAllocates) {
   }
 }
 
+TEST(Unpack, BoundsMemoryByTheSizeOfWhatIsPacked) {
+  EXPECT_EQ(most_unpacked(0), kFreeUnpackedBytes);
+  EXPECT_EQ(most_unpacked(1000), 1'000'000U);
+  EXPECT_EQ(most_unpacked(10'000'000), (1U << 27) + 30'000'000U);
+  EXPECT_EQ(most_unpacked(1'000'000'000), kMaxUnpackedBytes);
+  EXPECT_EQ(most_unpacked(UINT64_MAX), kMaxUnpackedBytes);
+  // Zeros pack so well that no recording does: 1 MiB in some 50 bytes.
+  const std::string bomb = zstd_bytes(std::string(1 << 20, '\0'));
+  EXPECT_EQ(unpack_zstd_frame(bomb, "f").error().code, ErrorCode::kUnsupported);
+}
+
 TEST(Unpack, RefusesAnotherSizeThanWasPromised) {
   const std::string bytes(1000, 'x');
   const std::string packed = zstd_bytes(bytes);

@@ -132,22 +132,22 @@ Expected<void> Mcap::walk_inside(ByteWindow& window, std::uint32_t chunk, const 
   return {};
 }
 
-// Whether the records behind a chunk say that it holds nothing that kilter reads; its messages are counted then.
+// Whether the records behind a chunk say that it holds nothing that kilter reads; its messages are counted then. They
+// are believed only if another record follows, so that none of them was cut off.
 bool Mcap::count_by_index(std::uint64_t chunk_end) {
   constexpr std::uint64_t kEntry = 16;
   std::vector<std::pair<std::size_t, std::uint64_t>> counts;
-  for (std::uint64_t position = chunk_end; position < file_.end();) {
-    const auto record = read_mcap_record(file_, position);
-    if (!record || !record->is(McapOp::kMessageIndex)) break;
+  auto record = read_mcap_record(file_, chunk_end);
+  for (; record && record->is(McapOp::kMessageIndex); record = read_mcap_record(file_, record->end())) {
     const auto head = record->size < 6 ? Expected<std::string_view>("") : file_.look(record->begin, 6);
     if (!head || head->empty()) return false;
     const auto found = topic_of_.find(load<std::uint16_t>(head->data(), std::endian::little));
     if (found == topic_of_.end() || topics_[found->second].ros_type != RosType::kOther) return false;
     counts.emplace_back(found->second, load<std::uint32_t>(head->data() + 2, std::endian::little) / kEntry);
-    position = record->end();
   }
+  if (!record || counts.empty()) return false;
   for (const auto& [topic, count] : counts) topics_[topic].messages += count;
-  return !counts.empty();
+  return true;
 }
 
 Expected<void> Mcap::walk_chunk(const McapRecord& record, const MessageVisitor& visit) {

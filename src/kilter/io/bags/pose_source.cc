@@ -91,17 +91,24 @@ PoseMatch match_poses(const PoseSource& source, const std::vector<std::int64_t>&
 
 std::optional<ChosenPoses> choose_poses(const std::vector<PoseSource>& sources,
                                         const std::vector<std::int64_t>& stamps_ns) {
-  std::optional<ChosenPoses> best;
+  std::vector<PoseMatch> matches;
+  std::size_t most = 0;
   for (const PoseSource& source : sources) {
-    if (best && rank_of(source.topic.ros_type) != rank_of(best->source.topic.ros_type)) break;
-    PoseMatch match = match_poses(source, stamps_ns);
-    if (match.clouds.empty()) continue;
-    const auto worth = [](const PoseMatch& of, const PoseSource& by) {
-      return std::tuple(of.clouds.size(), of.exact, by.poses);
-    };
-    if (!best || worth(match, source) > worth(best->match, best->source)) best = ChosenPoses{source, std::move(match)};
+    matches.push_back(match_poses(source, stamps_ns));
+    most = std::max(most, matches.back().clouds.size());
   }
-  return best;
+  const auto worth = [&](std::size_t i) {
+    return std::tuple(-rank_of(sources[i].topic.ros_type), matches[i].clouds.size(), matches[i].exact,
+                      sources[i].poses);
+  };
+  std::optional<std::size_t> best;
+  for (std::size_t i = 0; i < sources.size(); ++i) {
+    const std::size_t placed = matches[i].clouds.size();
+    if (placed == 0 || 2 * placed < most) continue;
+    if (!best || worth(i) > worth(*best)) best = i;
+  }
+  if (!best) return std::nullopt;
+  return ChosenPoses{sources[*best], std::move(matches[*best])};
 }
 
 }  // namespace kilter

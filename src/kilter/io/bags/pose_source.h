@@ -53,8 +53,10 @@ struct ChosenPoses {
   PoseMatch match;
 };
 
-/// The first kind of source that places any cloud; of several topics of that kind the one that places most clouds, then
-/// the one with most poses of just the clouds' times, then the one with most poses.
+/// The first kind of source that places at least half as many clouds as any does (a goal that was set by hand is a
+/// stamped pose too); of several topics of that kind the one that places most clouds, then the one with most poses of
+/// just the clouds' times, then the one with most poses.
+///
 /// \return  nothing where no cloud is placed.
 [[nodiscard]] std::optional<ChosenPoses> choose_poses(const std::vector<PoseSource>& sources,
                                                       const std::vector<std::int64_t>& stamps_ns);

@@ -125,21 +125,21 @@ Expected<std::uint64_t> Rosbag1::walk_records(ByteWindow& window, std::uint32_t 
   return position;
 }
 
-// Whether the records behind a chunk say that it holds nothing that kilter reads; its messages are counted then.
+// Whether the records behind a chunk say that it holds nothing that kilter reads; its messages are counted then. They
+// are believed only if another record follows, so that none of them was cut off.
 bool Rosbag1::count_by_index(std::uint64_t chunk_end) {
   std::vector<std::pair<std::size_t, std::uint32_t>> counts;
-  for (std::uint64_t position = chunk_end; position < file_.end();) {
-    const auto record = read_rosbag1_record(file_, position);
-    if (!record || !record->is(Rosbag1Op::kIndex)) break;
+  auto record = read_rosbag1_record(file_, chunk_end);
+  for (; record && record->is(Rosbag1Op::kIndex); record = read_rosbag1_record(file_, record->end())) {
     const auto found = topic_of_.find(record->fields.connection.value_or(UINT32_MAX));
     if (found == topic_of_.end() || !record->fields.count || topics_[found->second].ros_type != RosType::kOther) {
       return false;
     }
     counts.emplace_back(found->second, *record->fields.count);
-    position = record->end();
   }
+  if (!record || counts.empty()) return false;
   for (const auto& [topic, count] : counts) topics_[topic].messages += count;
-  return !counts.empty();
+  return true;
 }
 
 std::optional<Packing> packing_of(std::string_view name) {
@@ -177,9 +177,9 @@ Expected<std::uint64_t> Rosbag1::walk_chunk(const Rosbag1Record& record, const M
   return fail(ErrorCode::kParse, "a record is longer than the chunk that holds it", window.where(*end));
 }
 
-// A record reaches beyond the file's end. Where the index still lies in the file, that is damage.
+// A record reaches beyond the file's end. Where the index behind it still lies in the file, that is damage.
 Expected<void> Rosbag1::end_early(std::uint64_t position) {
-  if (index_ != 0 && index_ < file_.end()) {
+  if (position < index_ && index_ < file_.end()) {
     return fail(ErrorCode::kParse, "a record reaches beyond the end of the file", file_.where(position),
                 "the bag is damaged here; `rosbag reindex` or `rosbag fix` may save the rest");
   }
