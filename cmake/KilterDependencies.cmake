@@ -19,6 +19,23 @@ if(NOT TARGET LZF::LZF)
   set_target_properties(LZF::LZF PROPERTIES
     IMPORTED_LOCATION "${LZF_LIBRARY}" INTERFACE_INCLUDE_DIRECTORIES "${LZF_INCLUDE_DIR}")
 endif()
+# Bags are packed with these and stored in SQLite. Not every distribution's brings a CMake file.
+find_package(BZip2 REQUIRED)
+find_package(SQLite3 REQUIRED)
+foreach(packing LZ4:lz4frame.h:lz4 ZSTD:zstd.h:zstd)
+  string(REPLACE ":" ";" packing "${packing}")
+  list(GET packing 0 name)
+  list(GET packing 1 header)
+  list(GET packing 2 library)
+  if(NOT TARGET ${name}::${name})
+    find_path(${name}_INCLUDE_DIR ${header} REQUIRED)
+    find_library(${name}_LIBRARY ${library} REQUIRED)
+    mark_as_advanced(${name}_INCLUDE_DIR ${name}_LIBRARY)
+    add_library(${name}::${name} UNKNOWN IMPORTED)
+    set_target_properties(${name}::${name} PROPERTIES
+      IMPORTED_LOCATION "${${name}_LIBRARY}" INTERFACE_INCLUDE_DIRECTORIES "${${name}_INCLUDE_DIR}")
+  endif()
+endforeach()
 # Optional: the simulator casts its rays with it. Debian 12 has Embree 3, Ubuntu 24.04 has Embree 4.
 find_package(embree 4 QUIET)
 if(NOT embree_FOUND)

@@ -5,6 +5,7 @@
 
 The seeds are committed; run this after adding a variant. Same bytes every time.
 """
+import bz2
 import pathlib
 import struct
 import zlib
@@ -96,6 +97,148 @@ def write_trees():
     write("bt/old", struct.pack("<idI", 3, 0.1, 6) + b"\xc9\x80\x10\x00")
 
 
+class RosMessage:
+    """Fields one by one: order None is ROS 1, "<" and ">" are CDR."""
+
+    def __init__(self, order):
+        self.order, self.body = order, b""
+
+    def put(self, form, *values):
+        for value in values:
+            if self.order:
+                self.body += bytes(-len(self.body) % struct.calcsize(form))
+            self.body += struct.pack((self.order or "<") + form, value)
+        return self
+
+    def text(self, value):
+        value = value.encode() + (b"\0" if self.order else b"")
+        self.put("I", len(value)).body += value
+        return self
+
+    def header(self, second, frame):
+        if not self.order:
+            self.put("I", 1)
+        return self.put("I", second, 0).text(frame)
+
+    def pose(self, x=0.5):
+        return self.put("d", x, 0, 0, 0, 0, 0, 1)
+
+    def bytes(self):
+        return {None: b"", "<": b"\0\1\0\0", ">": b"\0\0\0\0"}[self.order] + self.body
+
+
+def ros_cloud(order, second=1):
+    message = RosMessage(order).header(second, "lidar").put("I", 1, 2, 3)
+    for i, name in enumerate("xyz"):
+        message.text(name).put("I", 4 * i).put("B", 7).put("I", 1)
+    message.put("B", 0).put("I", 12, 24, 24)
+    message.body += b"".join(struct.pack("<3f", *p) for p in XYZ)
+    return message.put("B", 1).bytes()
+
+
+def ros_odometry(order, second=1):
+    return RosMessage(order).header(second, "odom").text("base").pose().put("d", *[0] * 78).bytes()
+
+
+def ros_transforms(order, *pairs, second=1):
+    message = RosMessage(order).put("I", len(pairs))
+    for parent, child in pairs:
+        message.header(second, parent).text(child).pose()
+    return message.bytes()
+
+
+def ros_path(order):
+    return RosMessage(order).header(1, "map").put("I", 2).header(1, "map").pose().header(2, "map").pose(1).bytes()
+
+
+def drive(order, poses):
+    static = [("/tf_static", "tf2_msgs/TFMessage", ros_transforms(order, ("base", "lidar"), second=0))]
+    found = {"odometry": [("/odom", "nav_msgs/Odometry", ros_odometry(order, s)) for s in (1, 2)],
+             "path": [("/path", "nav_msgs/Path", ros_path(order))],
+             "tf": [("/tf", "tf2_msgs/TFMessage", ros_transforms(order, ("map", "odom"), ("odom", "base"), second=s))
+                    for s in (1, 2)]}[poses]
+    return static + found + [("/points", "sensor_msgs/PointCloud2", ros_cloud(order, s)) for s in (1, 2)]
+
+
+def sized(data):
+    return struct.pack("<I", len(data)) + data
+
+
+def lz4_stored(raw):
+    return b"\x04\x22\x4d\x18\x60\x40\x82" + struct.pack("<I", len(raw) | 1 << 31) + raw + bytes(4)
+
+
+def zstd_stored(raw):
+    return b"\x28\xb5\x2f\xfd\x60" + struct.pack("<H", len(raw) - 256) + struct.pack("<I", len(raw) << 3 | 1)[:3] + raw
+
+
+def bag_record(data, **fields):
+    return sized(b"".join(sized(name.encode() + b"=" + value) for name, value in fields.items())) + sized(data)
+
+
+def rosbag1(messages, packing="none", closed=True):
+    names = sorted({(topic, kind) for topic, kind, _ in messages})
+    number = {topic: struct.pack("<I", i) for i, (topic, _) in enumerate(names)}
+    connections = b"".join(
+        bag_record(sized(b"topic=" + topic.encode()) + sized(b"type=" + kind.encode()), op=b"\7", conn=number[topic],
+                   topic=topic.encode()) for topic, kind in names)
+    body = connections + b"".join(bag_record(data, op=b"\2", conn=number[topic], time=struct.pack("<II", 3, 0))
+                                  for topic, _, data in messages)
+    pack = {"none": bytes, "bz2": bz2.compress, "lz4": lz4_stored}[packing]
+    chunk = bag_record(pack(body), op=b"\5", compression=packing.encode(), size=struct.pack("<I", len(body)))
+    index = bag_record(bytes(12), op=b"\4", ver=struct.pack("<I", 1), conn=bytes(4), count=struct.pack("<I", 1))
+
+    def start(position):
+        return b"#ROSBAG V2.0\n" + bag_record(b" " * 8, op=b"\3", index_pos=struct.pack("<Q", position),
+                                              conn_count=struct.pack("<I", len(names)), chunk_count=struct.pack("<I", 1))
+    whole = start(0) + chunk + index
+    return start(len(whole)) + chunk + index + connections if closed else whole
+
+
+def mcap_record(code, data):
+    return struct.pack("<BQ", code, len(data)) + data
+
+
+def mcap(messages, packing="", chunked=True, closed=True, encoding=b"cdr"):
+    magic = b"\x89MCAP0\r\n"
+    names = sorted({(topic, kind) for topic, kind, _ in messages})
+    channels = b"".join(
+        mcap_record(3, struct.pack("<H", i) + sized(kind.encode()) + sized(b"") + sized(b"")) +
+        mcap_record(4, struct.pack("<HH", i, i) + sized(topic.encode()) + sized(encoding) + sized(b""))
+        for i, (topic, kind) in enumerate(names, 1))
+    number = {topic: i for i, (topic, _) in enumerate(names, 1)}
+    body = channels + b"".join(mcap_record(5, struct.pack("<HIQQ", number[topic], 0, 3, 3) + data)
+                               for topic, _, data in messages)
+    packed = {"": bytes, "lz4": lz4_stored, "zstd": zstd_stored}[packing](body)
+    if chunked:
+        body = mcap_record(6, struct.pack("<QQQI", 3, 3, len(body), 0) + sized(packing.encode()) +
+                           struct.pack("<Q", len(packed)) + packed) + mcap_record(7, struct.pack("<HI", 1, 16) + bytes(16))
+    data = magic + mcap_record(1, sized(b"ros2") + sized(b"")) + body
+    if not closed:
+        return data
+    data += mcap_record(15, bytes(4))
+    return data + channels + mcap_record(2, struct.pack("<QQI", len(data), 0, 0)) + magic
+
+
+def write_bags():
+    for order, word in ((None, "ros1"), ("<", "little"), (">", "big")):
+        first = 8 if order else 0
+        for kind, name, data in ((1, "cloud", ros_cloud(order)), (2, "odometry", ros_odometry(order)),
+                                 (3, "pose", RosMessage(order).header(1, "map").pose().bytes()),
+                                 (5, "path", ros_path(order)), (6, "transforms", ros_transforms(order, ("a", "b")))):
+            write(f"ros_messages/{name}_{word}", bytes([first + kind]) + data)
+    write("rosbag1/plain", rosbag1(drive(None, "odometry")))
+    write("rosbag1/bz2", rosbag1(drive(None, "tf"), "bz2"))
+    write("rosbag1/lz4", rosbag1(drive(None, "tf"), "lz4"))
+    write("rosbag1/active", rosbag1(drive(None, "path"), closed=False))
+    write("mcap/plain", mcap(drive("<", "odometry")))
+    write("mcap/no_chunks", mcap(drive(">", "path"), chunked=False))
+    write("mcap/lz4", mcap(drive("<", "tf"), "lz4"))
+    write("mcap/zstd", mcap(drive("<", "tf"), "zstd"))
+    write("mcap/no_end", mcap(drive("<", "path"), closed=False))
+    write("mcap/ros1", mcap(drive(None, "odometry"), encoding=b"ros1"))
+
+
 def main():
     write_trees()
     write("las/one_two", las(2, 1, 28, 2))
@@ -150,6 +293,8 @@ def main():
     write("poses/tum", "# t x y z qx qy qz qw\n0 1 2 3 0 0 0 1\n1.5 1 2 3 0 0 0.7071068 0.7071068\n")
     write("poses/kitti", "1 0 0 1 0 1 0 2 0 0 1 3\n0 -1 0 1e1 1 0 0 +2 0 0 1 3\n")
     write("poses/csv", "\ufeff0, 1, 2, 3, 0, 0, 0, 1\r\n")
+
+    write_bags()
 
     write("cuts/two", '{"schema":"kilter.result/1","submaps":[{"robot":"a","first_scan":0,"last_scan":3},'
                       '{"robot":"a","first_scan":4,"last_scan":5}],"pairs":[{"target":"a/1"}]}')

@@ -135,6 +135,22 @@ class Malformed(unittest.TestCase):
     def test_a_file_for_a_folder_is_named(self):
         self.refused(3, "unsupported", "poses.tum", self.tiny.mission / "a" / "poses.tum")
 
+    def test_bags_that_are_none_are_named(self):
+        corpus = Path(__file__).resolve().parent.parent / "fuzz" / "corpus"
+        whole = (corpus / "rosbag1" / "plain").read_bytes()
+        for name, content, code in (("none.bag", b"none", "parse"), ("old.bag", b"#ROSBAG V1.2\n", "unsupported"),
+                                    ("none.mcap", b"none", "parse"), ("none.db3", b"none" * 200, "parse"),
+                                    ("empty.db3", b"", "parse"), ("packed.db3.zstd", b"", "unsupported"),
+                                    ("cut.bag", whole[:400], "empty-input"),
+                                    ("damaged.bag", whole.replace(b"conn=", b"coon="), "parse")):
+            with self.subTest(name):
+                file = self.tiny.folder / name
+                file.write_bytes(content)
+                self.refused(3, code, name, file)
+        file = self.tiny.folder / "good.bag"
+        file.write_bytes(whole)
+        self.refused(3, "not-found", "/odom (nav_msgs/Odometry, 2 messages)", f"{file}#/points_raw")
+
     def test_a_name_given_twice_is_a_usage_error(self):
         self.refused(2, "usage", '"x"', f"x={self.tiny.mission / 'a'}", f"x={self.tiny.mission / 'b'}")
 

@@ -4,7 +4,6 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -15,59 +14,15 @@
 #include <utility>
 
 #include "kilter/io/large_pages.h"
+#include "kilter/io/open_file.h"
 
 namespace kilter {
 namespace {
-
-// Linux moves at most 2 GiB a call; smaller steps also keep a signal's delay short.
-constexpr std::size_t kMaxStep = std::size_t{1} << 28;
-
-class Descriptor {
- public:
-  explicit Descriptor(int number) : number_(number) {}
-  Descriptor(const Descriptor&) = delete;
-  Descriptor(Descriptor&&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  Descriptor& operator=(Descriptor&&) = delete;
-  ~Descriptor() {
-    if (number_ >= 0) ::close(number_);
-  }
-
-  [[nodiscard]] int number() const { return number_; }
-  [[nodiscard]] bool is_open() const { return number_ >= 0; }
-  /// For writers, who must know whether the last bytes arrived. \return 0 or errno.
-  int close() { return ::close(std::exchange(number_, -1)) == 0 ? 0 : errno; }
-
- private:
-  int number_;
-};
-
-std::string reason(int error) { return std::generic_category().message(error); }
-
-int open_retrying(const std::filesystem::path& path, int flags, mode_t mode = 0) {
-  int number = -1;
-  do {
-    number = ::open(path.c_str(), flags | O_CLOEXEC, mode);
-  } while (number < 0 && errno == EINTR);
-  return number;
-}
-
-tl::unexpected<Error> refuse_input(int error, const std::filesystem::path& path) {
-  if (error == ENOENT || error == ENOTDIR) return fail(ErrorCode::kNotFound, "there is no such file", shown(path));
-  return fail(ErrorCode::kIo, fmt::format("cannot be read: {}", reason(error)), shown(path));
-}
 
 tl::unexpected<Error> refuse_output(int error, const std::filesystem::path& path) {
   const bool full = error == ENOSPC || error == EDQUOT || error == EFBIG;
   return fail(full ? ErrorCode::kNoSpace : ErrorCode::kIo, fmt::format("cannot be written: {}", reason(error)),
               shown(path));
-}
-
-std::string_view kind_of(mode_t mode) {
-  if (S_ISDIR(mode)) return "a folder";
-  if (S_ISFIFO(mode)) return "a pipe";
-  if (S_ISSOCK(mode)) return "a socket";
-  return "a device";
 }
 
 // \return 0 or errno.
@@ -109,15 +64,9 @@ Expected<ByteBuffer> ByteBuffer::allocate(std::size_t size) {
 }
 
 Expected<ByteBuffer> read_file(const std::filesystem::path& path, std::uint64_t max_bytes) {
-  // Non-blocking, since opening a pipe would otherwise wait for its writer.
-  const Descriptor file(open_retrying(path, O_RDONLY | O_NONBLOCK | O_NOCTTY));
-  if (!file.is_open()) return refuse_input(errno, path);
-  struct stat info {};
-  if (::fstat(file.number(), &info) != 0) return refuse_input(errno, path);
-  if (!S_ISREG(info.st_mode)) {
-    return fail(ErrorCode::kIo, fmt::format("expected a regular file, found {}", kind_of(info.st_mode)), shown(path));
-  }
-  const auto size = static_cast<std::uint64_t>(info.st_size);
+  const Expected<OpenFile> file = open_regular_file(path);
+  if (!file) return pass_up(file.error());
+  const std::uint64_t size = file->size;
   if (size > max_bytes) {
     return fail(ErrorCode::kUnsupported, fmt::format("the file has {} bytes; at most {} are read", size, max_bytes),
                 shown(path));
@@ -129,7 +78,8 @@ Expected<ByteBuffer> read_file(const std::filesystem::path& path, std::uint64_t 
   }
   std::size_t done = 0;
   while (done < buffer->size()) {
-    const ssize_t step = ::read(file.number(), buffer->data() + done, std::min(buffer->size() - done, kMaxStep));
+    const ssize_t step =
+        ::read(file->descriptor.number(), buffer->data() + done, std::min(buffer->size() - done, kMaxStep));
     if (step < 0 && errno == EINTR) continue;
     if (step < 0) return refuse_input(errno, path);
     if (step == 0) {

@@ -25,8 +25,29 @@ struct FoundRobot {
   std::string name;
   fs::path path;
   const SourceKind* kind = nullptr;
+  std::vector<std::string> topics;
   std::size_t source = 0;  // which one of the command line named it
 };
+
+// "run.bag#/points#/odom": a path, and topics of the bag there.
+struct PathAndTopics {
+  fs::path path;
+  std::vector<std::string> topics;
+};
+
+PathAndTopics split_topics(const std::string& text) {
+  PathAndTopics parts{text, {}};
+  std::error_code error;
+  // A file may be called so.
+  if (text.find("#/") == std::string::npos || fs::exists(text, error)) return parts;
+  parts.path = text.substr(0, text.find("#/"));
+  for (std::size_t at = text.find("#/"); at != std::string::npos;) {
+    const std::size_t next = text.find("#/", at + 1);
+    parts.topics.push_back(text.substr(at + 1, next == std::string::npos ? next : next - at - 1));
+    at = next;
+  }
+  return parts;
+}
 
 // "robot folder, GLIM dump or ...": everything that can be named.
 std::string known_kinds() {
@@ -66,7 +87,7 @@ Expected<FoundRobot> robot_from_path(const fs::path& path, const SourceKind& kin
                 fmt::format("this {}'s name cannot be a robot's: {}", is_file(path) ? "file" : "folder", *fault),
                 shown(path), "give the robot another name: NAME=PATH");
   }
-  return FoundRobot{name, path, &kind};
+  return FoundRobot{name, path, &kind, {}};
 }
 
 Expected<void> check_exists(const fs::path& path) {
@@ -98,7 +119,16 @@ tl::unexpected<Error> refuse_folder(const fs::path& path) {
               known_kinds());
 }
 
-Expected<std::vector<FoundRobot>> robots_of_named(const std::string& name, const fs::path& path) {
+Expected<void> check_topics(const FoundRobot& robot) {
+  if (robot.topics.empty() || robot.kind->has_topics) return {};
+  return fail(ErrorCode::kUsage,
+              fmt::format("#{} names a topic, but this is a {}, not a bag", printable(robot.topics.front(), 80),
+                          robot.kind->name),
+              shown(robot.path));
+}
+
+Expected<std::vector<FoundRobot>> robots_of_named(const std::string& name, const PathAndTopics& parts) {
+  const fs::path& path = parts.path;
   if (const auto fault = find_fault(name)) {
     return fail(ErrorCode::kUsage, fmt::format("\"{}\" cannot be a robot's name: {}", printable(name, 80), *fault));
   }
@@ -113,7 +143,7 @@ Expected<std::vector<FoundRobot>> robots_of_named(const std::string& name, const
     return fail(ErrorCode::kNotFound, "expected scans/ or submaps/ in it, or another kind of source, found neither",
                 shown(path), known_kinds());
   }
-  return std::vector<FoundRobot>{{name, path, kind}};
+  return std::vector<FoundRobot>{{name, path, kind, parts.topics}};
 }
 
 // Programs leave a link `latest` beside the folder that it leads to; both would be one robot twice.
@@ -139,7 +169,8 @@ Expected<std::vector<fs::path>> robots_inside(const fs::path& folder) {
   return own.empty() ? other : own;
 }
 
-Expected<std::vector<FoundRobot>> robots_of_path(const fs::path& path) {
+Expected<std::vector<FoundRobot>> robots_of_path(const PathAndTopics& parts) {
+  const fs::path& path = parts.path;
   if (auto ok = check_exists(path); !ok) return pass_up(ok.error());
   std::vector<fs::path> candidates;
   if (recognise(path) != nullptr) {
@@ -156,6 +187,7 @@ Expected<std::vector<FoundRobot>> robots_of_path(const fs::path& path) {
   for (const fs::path& candidate : candidates) {
     Expected<FoundRobot> robot = robot_from_path(candidate, *recognise(candidate));
     if (!robot) return pass_up(robot.error());
+    robot->topics = parts.topics;
     robots.push_back(*std::move(robot));
   }
   return robots;
@@ -164,9 +196,9 @@ Expected<std::vector<FoundRobot>> robots_of_path(const fs::path& path) {
 Expected<std::vector<FoundRobot>> robots_of_source(const std::string& source) {
   const std::size_t equals = source.find('=');
   if (equals != std::string::npos && source.find('/') > equals) {
-    return robots_of_named(source.substr(0, equals), source.substr(equals + 1));
+    return robots_of_named(source.substr(0, equals), split_topics(source.substr(equals + 1)));
   }
-  return robots_of_path(source);
+  return robots_of_path(split_topics(source));
 }
 
 Expected<std::vector<FoundRobot>> find_robots(const std::vector<std::string>& sources) {
@@ -174,7 +206,10 @@ Expected<std::vector<FoundRobot>> find_robots(const std::vector<std::string>& so
   for (std::size_t source = 0; source < sources.size(); ++source) {
     auto found = robots_of_source(sources[source]);
     if (!found) return pass_up(found.error());
-    for (FoundRobot& robot : *found) robot.source = source;
+    for (FoundRobot& robot : *found) {
+      if (auto ok = check_topics(robot); !ok) return pass_up(ok.error());
+      robot.source = source;
+    }
     std::move(found->begin(), found->end(), std::back_inserter(robots));
   }
   std::sort(robots.begin(), robots.end(), [](const auto& a, const auto& b) { return a.name < b.name; });
@@ -237,7 +272,7 @@ Expected<void> replace_poses(RobotLog& log, const fs::path& folder) {
 }
 
 Expected<RobotLog> open_robot(const FoundRobot& robot, const MissionOptions& options, std::vector<std::string>& notes) {
-  SourceRequest request{robot.path, robot.name, std::nullopt};
+  SourceRequest request{robot.path, robot.name, std::nullopt, robot.topics};
   if (options.poses_folder) request.poses_folder = *options.poses_folder / robot.name;
   Expected<RobotLog> log = robot.kind->open(request, notes);
   if (!log) return log;

@@ -6,6 +6,7 @@
 #include <array>
 
 #include "kilter/io/sources/flat_folder.h"
+#include "kilter/io/bags/bag_source.h"
 #include "kilter/io/sources/foreign_file.h"
 #include "kilter/io/sources/glim_dump.h"
 #include "kilter/io/sources/hdl_dump.h"
@@ -30,6 +31,9 @@ std::span<const SourceKind> source_kinds() {
       SourceKind{"folder of clouds", is_flat_folder, open_flat_folder},
       SourceKind{"single cloud", is_single_cloud, open_single_cloud},
       SourceKind{"OctoMap tree", is_octree_file, open_octree_file},
+      SourceKind{"ROS 1 bag", is_rosbag1, open_rosbag1_source, true},
+      SourceKind{"ROS 2 bag (MCAP)", is_mcap_bag, open_mcap_source, true},
+      SourceKind{"ROS 2 bag (sqlite3)", is_sqlite_bag, open_sqlite_source, true},
       SourceKind{"file of another kind", is_foreign_file, refuse_foreign_file},
   };
   return kKinds;

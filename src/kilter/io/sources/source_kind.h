@@ -19,6 +19,7 @@ struct SourceRequest {
   std::filesystem::path path;                         ///< a folder or file that its kind recognised
   std::string name;                                   ///< what the robot is called
   std::optional<std::filesystem::path> poses_folder;  ///< holds poses.* that take the place of the source's own
+  std::vector<std::string> topics;                    ///< of a bag, where a person named some: PATH#/points#/odom
 };
 
 /// A way in which one robot's (or one session's) clouds and poses lie on disk.
@@ -30,6 +31,7 @@ struct SourceKind {
   /// Reads the poses and lists the clouds; points are read later, by RobotLog::read_cloud.
   /// \param notes  gains a line for each thing that a person should know and that is no error
   Expected<RobotLog> (*open)(const SourceRequest& request, std::vector<std::string>& notes);
+  bool has_topics = false;  ///< whether it is a bag, so that PATH#/TOPIC means something
 };
 
 /// All kinds, in the order in which they are tried.
