@@ -16,6 +16,7 @@
 #include "apps/kilter/exit_status.h"
 #include "apps/kilter/terminal.h"
 #include "kilter/base/error_catalog.h"
+#include "kilter/io/oddity.h"
 #include "kilter/report/json_writer.h"
 #include "kilter/report/text_lines.h"
 
@@ -81,6 +82,7 @@ constexpr std::array kFindings = {
 std::vector<Topic> topics() {
   std::vector<Topic> all;
   for (const CatalogEntry& entry : error_catalog()) all.push_back({entry.name, entry.explanation});
+  for (const OddityTopic& topic : oddity_catalog()) all.push_back({topic.code, topic.explanation});
   all.insert(all.end(), kFindings.begin(), kFindings.end());
   return all;
 }

@@ -1,6 +1,10 @@
 // SPDX-FileCopyrightText: The kilter authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cstdint>
+#include <ctime>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,9 +18,9 @@
 #include "apps/kilter/common_options.h"
 #include "apps/kilter/exit_status.h"
 #include "apps/kilter/terminal.h"
+#include "kilter/io/inspection.h"
 #include "kilter/io/mission.h"
 #include "kilter/report/json_writer.h"
-#include "kilter/submap/cutting.h"
 
 namespace kilter::app {
 namespace {
@@ -27,70 +31,115 @@ struct InfoCommand {
   std::optional<std::string> poses_folder;
 };
 
-// What can be told of a robot from its poses and its first cloud alone.
-struct RobotInfo {
-  std::string name;
-  bool finished_submaps = false;
-  std::size_t clouds = 0;
-  double path_length_m = 0.0;
-  Eigen::AlignedBox3d extent_world_m;  // of the poses
-  std::size_t submaps = 0;             // as `check` would cut them
-  std::size_t first_points = 0;        // of the first cloud
-  std::size_t first_dropped = 0;
-};
+// Unix times of this millennium are dates; anything else counts from a zero of its own.
+bool is_unix_time(std::int64_t stamp_ns) { return stamp_ns >= 946'684'800'000'000'000; }
 
-Expected<RobotInfo> look_at(const RobotLog& robot, const CuttingOptions& cutting) {
-  RobotInfo info;
-  info.name = robot.name;
-  info.finished_submaps = robot.finished_submaps;
-  info.clouds = robot.T_world_cloud.size();
-  info.path_length_m = path_lengths_m(robot.T_world_cloud).back();
-  for (const Pose3& pose : robot.T_world_cloud) info.extent_world_m.extend(pose.translation_m());
-  info.submaps = robot.finished_submaps ? info.clouds : cut_trajectory(robot.T_world_cloud, cutting).size();
-  const Expected<PointCloud> cloud = robot.read_cloud(0);
-  if (!cloud) return pass_up(cloud.error());
-  info.first_points = cloud->points_m.size();
-  info.first_dropped = cloud->dropped_nonfinite + cloud->dropped_far;
-  return info;
+std::string date_of(std::int64_t stamp_ns) {
+  const auto seconds = static_cast<std::time_t>(stamp_ns / 1'000'000'000);
+  std::tm utc{};
+  if (gmtime_r(&seconds, &utc) == nullptr) return "?";
+  char text[32];
+  return {text, std::strftime(text, sizeof(text), "%Y-%m-%d %H:%M:%S", &utc)};
 }
 
-std::string as_json(const std::vector<RobotInfo>& robots, const std::vector<std::string>& notes) {
+std::string stamps_in_words(const RobotInspection& robot) {
+  if (!robot.first_ns) return "no stamps";
+  const double seconds = 1e-9 * static_cast<double>(*robot.last_ns - *robot.first_ns);
+  if (is_unix_time(*robot.first_ns))
+    return fmt::format("stamps are Unix time, {} UTC, {:.1f} s", date_of(*robot.first_ns), seconds);
+  return fmt::format("stamps from {:.3f} s, {:.1f} s", 1e-9 * static_cast<double>(*robot.first_ns), seconds);
+}
+
+std::string points_in_words(const RobotInspection& robot) {
+  if (!robot.points) return "points not counted";
+  return fmt::format("{}{} points", robot.points->estimated ? "about " : "", robot.points->points);
+}
+
+// Whatever else the frames are, a ground robot's vertical is the direction it moves in least.
+std::string frame_in_words(const RobotInspection& robot) {
+  const Eigen::Vector3d size_m = robot.extent_world_m.sizes();
+  if (size_m.maxCoeff() < 1.0) return "poses too close together to tell which way is up";
+  Eigen::Index least = 0;
+  size_m.minCoeff(&least);
+  return least == 2 ? "z seems to be up" : fmt::format("{} varies least, kilter takes z as up", "xyz"[least]);
+}
+
+void write_optional(JsonWriter& json, std::string_view key, const std::optional<std::int64_t>& stamp_ns) {
+  json.field(key, stamp_ns ? std::optional(1e-9 * static_cast<double>(*stamp_ns)) : std::nullopt);
+}
+
+void write_robot(JsonWriter& json, const RobotInspection& robot) {
+  const Eigen::Vector3d low = robot.extent_world_m.min();
+  const Eigen::Vector3d high = robot.extent_world_m.max();
+  json.open_object(JsonWriter::Layout::kCompact).field("name", robot.name).field("kind", robot.kind);
+  json.field("finished_submaps", robot.finished_submaps).field("clouds", robot.clouds);
+  json.field("clouds_found", robot.clouds_found).field("poses_found", robot.poses_found);
+  json.field("points", robot.points ? std::optional(static_cast<double>(robot.points->points)) : std::nullopt);
+  json.field("points_estimated", robot.points && robot.points->estimated);
+  json.field("path_length_m", robot.path_length_m);
+  json.key("pose_min_m").value(std::span<const double>(low.data(), 3));
+  json.key("pose_max_m").value(std::span<const double>(high.data(), 3));
+  write_optional(json, "first_stamp_s", robot.first_ns);
+  write_optional(json, "last_stamp_s", robot.last_ns);
+  json.field("likely_submaps", robot.likely_submaps).field("first_cloud_points", robot.first_points);
+  json.field("first_cloud_dropped", robot.first_dropped).field("median_range_m", robot.median_range_m).close();
+}
+
+std::string as_json(const Mission& mission, const Inspection& inspection) {
   JsonWriter json;
-  json.open_object().field("schema", "kilter.info/1").key("robots").open_list();
-  for (const RobotInfo& robot : robots) {
-    const Eigen::Vector3d low = robot.extent_world_m.min();
-    const Eigen::Vector3d high = robot.extent_world_m.max();
-    json.open_object(JsonWriter::Layout::kCompact).field("name", robot.name);
-    json.field("finished_submaps", robot.finished_submaps).field("clouds", robot.clouds);
-    json.field("path_length_m", robot.path_length_m);
-    json.key("pose_min_m").value(std::span<const double>(low.data(), 3));
-    json.key("pose_max_m").value(std::span<const double>(high.data(), 3));
-    json.field("likely_submaps", robot.submaps).field("first_cloud_points", robot.first_points);
-    json.field("first_cloud_dropped", robot.first_dropped).close();
+  json.open_object().field("schema", "kilter.info/1").key("sources").open_list();
+  for (const SourceSummary& source : mission.sources) {
+    json.open_object(JsonWriter::Layout::kCompact).field("source", source.source).field("kind", source.kind);
+    json.field("robots", source.robots).field("clouds", source.clouds).close();
+  }
+  json.close().key("robots").open_list();
+  for (const RobotInspection& robot : inspection.robots) write_robot(json, robot);
+  json.close().field("likely_submaps", inspection.likely_submaps);
+  const auto& pairs = inspection.likely_pairs;
+  json.field("likely_pairs", pairs ? std::optional(static_cast<double>(*pairs)) : std::nullopt);
+  json.key("oddities").open_list();
+  for (const Oddity& oddity : inspection.oddities) {
+    json.open_object(JsonWriter::Layout::kCompact).field("code", oddity.code).field("robot", oddity.robot);
+    json.field("found", oddity.found).field("try", way_out_of(oddity.code)).close();
   }
   json.close().key("notes").open_list();
-  for (const std::string& note : notes) json.value(note);
+  for (const std::string& note : mission.notes) json.value(note);
   return json.close().close().take();
 }
 
-std::string as_text(const std::vector<RobotInfo>& robots) {
-  std::size_t clouds = 0;
-  std::size_t submaps = 0;
-  for (const RobotInfo& robot : robots) {
-    clouds += robot.clouds;
-    submaps += robot.submaps;
+std::string robot_as_text(const RobotInspection& robot) {
+  const Eigen::Vector3d low = robot.extent_world_m.min();
+  const Eigen::Vector3d high = robot.extent_world_m.max();
+  std::string text = fmt::format("{} ({})\n", printable(robot.name), robot.kind);
+  text += fmt::format("  {} {}, {}; poses matched {} of {}\n", robot.clouds,
+                      robot.finished_submaps ? "finished submaps" : "scans", points_in_words(robot), robot.clouds,
+                      std::max(robot.clouds_found, robot.poses_found));
+  text += fmt::format("  path {:.1f} m, likely {} submaps; {}\n", robot.path_length_m, robot.likely_submaps,
+                      stamps_in_words(robot));
+  text += fmt::format("  poses x {:.1f} to {:.1f}, y {:.1f} to {:.1f}, z {:.1f} to {:.1f} m; {}\n", low.x(), high.x(),
+                      low.y(), high.y(), low.z(), high.z(), frame_in_words(robot));
+  if (robot.median_range_m) {
+    text += fmt::format("  first cloud: {} points, median range {:.1f} m, {} dropped (not finite or too far)\n",
+                        robot.first_points, *robot.median_range_m, robot.first_dropped);
   }
-  std::string text = fmt::format("{} robot{}, {} clouds, likely {} submaps\n", robots.size(),
-                                 robots.size() == 1 ? "" : "s", clouds, submaps);
-  for (const RobotInfo& robot : robots) {
-    const Eigen::Vector3d low = robot.extent_world_m.min();
-    const Eigen::Vector3d high = robot.extent_world_m.max();
-    text += fmt::format("{}\n  {} {}, path {:.1f} m, likely {} submaps\n", robot.name, robot.clouds,
-                        robot.finished_submaps ? "finished submaps" : "scans", robot.path_length_m, robot.submaps);
-    text += fmt::format("  poses x {:.1f} to {:.1f}, y {:.1f} to {:.1f}, z {:.1f} to {:.1f} m\n", low.x(), high.x(),
-                        low.y(), high.y(), low.z(), high.z());
-    text += fmt::format("  first cloud: {} points, {} dropped (not finite or too far)\n", robot.first_points,
-                        robot.first_dropped);
+  return text;
+}
+
+std::string as_text(const Mission& mission, const Inspection& inspection) {
+  std::string text;
+  for (const SourceSummary& source : mission.sources) {
+    text += fmt::format("{}: {}\n", printable(source.source, 1024), describe(source));
+  }
+  text += fmt::format("Likely {} submaps", inspection.likely_submaps);
+  if (inspection.likely_pairs) text += fmt::format(", {} pairs of them near each other", *inspection.likely_pairs);
+  text += '\n';
+  for (const RobotInspection& robot : inspection.robots) text += robot_as_text(robot);
+  if (inspection.oddities.empty()) return text + "Nothing odd found\n";
+  text += fmt::format("{} oddit{}, `kilter explain CODE` tells more\n", inspection.oddities.size(),
+                      inspection.oddities.size() == 1 ? "y" : "ies");
+  for (const Oddity& oddity : inspection.oddities) {
+    text += fmt::format("  {}: {}: {}\n    try: {}\n", oddity.code, printable(oddity.robot),
+                        printable(oddity.found, 1024), way_out_of(oddity.code));
   }
   return text;
 }
@@ -103,16 +152,13 @@ int run_info(const InfoCommand& command) {
   if (command.poses_folder) options.poses_folder = *command.poses_folder;
   const Expected<Mission> mission = open_mission(command.sources, options);
   if (!mission) return print_error(mission.error());
-  std::vector<RobotInfo> robots;
-  for (const RobotLog& robot : mission->robots) {
-    const Expected<RobotInfo> info = look_at(robot, settings->check.submap.cutting);
-    if (!info) return print_error(info.error());
-    robots.push_back(*info);
-  }
+  const Expected<Inspection> inspection = inspect(*mission, settings->check.submap.cutting);
+  if (!inspection) return print_error(inspection.error());
   if (!command.common.quiet) {
     for (const std::string& note : mission->notes) print_note(note);
   }
-  const Expected<void> done = print_out(command.common.json ? as_json(robots, mission->notes) : as_text(robots));
+  const Expected<void> done =
+      print_out(command.common.json ? as_json(*mission, *inspection) : as_text(*mission, *inspection));
   if (done) return kExitGood;
   print_error(done.error());
   return exit_status_of_output(done.error().code);
@@ -122,7 +168,7 @@ int run_info(const InfoCommand& command) {
 
 void add_info_command(CLI::App& program, int& status) {
   const auto command = std::make_shared<InfoCommand>();
-  CLI::App* app = program.add_subcommand("info", "what a mission holds, from its poses and first clouds");
+  CLI::App* app = program.add_subcommand("info", "what a source holds, and what is odd about it, before any work");
   app->add_option("SOURCE", command->sources, "a mission's folder, a robot's folder, or NAME=PATH")->required();
   app->add_option("--poses", command->poses_folder, "take DIR/ROBOT/poses.* instead of each robot's own poses")
       ->option_text("DIR");

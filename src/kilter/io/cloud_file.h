@@ -9,6 +9,7 @@
 
 #include "kilter/base/expected.h"
 #include "kilter/geometry/point_cloud.h"
+#include "kilter/submap/robot_log.h"
 
 namespace kilter {
 
@@ -23,5 +24,9 @@ enum class CloudFormat { kBin, kPcd, kPly, kLas };
 /// A file may hold no point, or only points that are dropped and counted: whether that is an error is the caller's to
 /// say. \return the points, or kUnsupported (extension, size) or what read_file and the format's reader fail with.
 [[nodiscard]] Expected<PointCloud> read_cloud_file(const std::filesystem::path& path);
+
+/// Looks at a cloud's size and first bytes only. \return nothing if it cannot be opened; no count of points where the
+/// header does not tell or is broken.
+[[nodiscard]] std::optional<CloudPeek> peek_cloud_file(const std::filesystem::path& path);
 
 }  // namespace kilter

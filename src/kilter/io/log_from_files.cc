@@ -57,6 +57,10 @@ void read_from_files(RobotLog& log, std::vector<fs::path> paths) {
     KILTER_EXPECTS(i < files->size());
     return read_cloud_file((*files)[i]);
   };
+  log.peek_cloud = [files](std::size_t i) {
+    KILTER_EXPECTS(i < files->size());
+    return peek_cloud_file((*files)[i]);
+  };
   log.cloud_name = [files](std::size_t i) {
     KILTER_EXPECTS(i < files->size());
     return shown((*files)[i]);

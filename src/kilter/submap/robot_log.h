@@ -16,6 +16,15 @@
 
 namespace kilter {
 
+/// What can be told of a cloud without reading its points.
+struct CloudPeek {
+  std::optional<std::uint64_t> points;  ///< as its header promises, NaN included
+  std::uint64_t bytes = 0;              ///< on disk
+  std::uint64_t head = 0;               ///< a digest of its first bytes: equal clouds have equal ones
+
+  bool operator==(const CloudPeek&) const = default;
+};
+
 /// What one robot (or one session) brings: a pose per cloud, and a way to read each cloud when it is needed. Scans of
 /// a mission are never all in memory.
 struct RobotLog {
@@ -38,6 +47,8 @@ struct RobotLog {
   std::function<Expected<OccupancyCells>(std::size_t)> read_cells;
   /// Edge of their cells, as far as the first one tells. [m]
   std::optional<double> cell_size_m;
+  /// Looks at cloud i without reading it. Empty where a source has no cheap way; nothing where it fails.
+  std::function<std::optional<CloudPeek>(std::size_t)> peek_cloud;
   /// For messages: the file of cloud i.
   std::function<std::string(std::size_t)> cloud_name;
 };

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <array>
 
-#include "kilter/io/sources/flat_folder.h"
 #include "kilter/io/bags/bag_source.h"
+#include "kilter/io/sources/flat_folder.h"
 #include "kilter/io/sources/foreign_file.h"
 #include "kilter/io/sources/glim_dump.h"
 #include "kilter/io/sources/hdl_dump.h"

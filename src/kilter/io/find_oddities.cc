@@ -1,0 +1,196 @@
+// SPDX-FileCopyrightText: The kilter authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "kilter/io/find_oddities.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+namespace kilter {
+namespace {
+
+constexpr double kNearlyStill_m = 0.05;
+constexpr double kShortPath_m = 5.0;     // too short to tell which way a sensor looks
+constexpr double kAlongOwnZ = 0.8;       // share of the path
+constexpr double kLidarRange_m = 300.0;  // medians beyond are no lidar's
+constexpr double kStep_m = 50.0;         // nor are steps like this a robot's, from scan to scan
+constexpr double kJump_m = 5.0;          // at least, and
+constexpr double kJumpOfMedian = 20.0;   // this many usual steps
+constexpr double kPause_s = 60.0;        // at least, and
+constexpr double kPauseOfMedian = 50.0;  // this many usual intervals
+constexpr double kFar_m = 200.0;         // no lidar's reach bridges it
+constexpr std::size_t kFewPoints = 1000;
+constexpr std::size_t kMostComparisons = 20;  // of whole clouds
+
+template <typename T>
+T median_of(std::vector<T> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+std::vector<double> steps_m(const RobotLog& robot) {
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < robot.T_world_cloud.size(); ++i) {
+    steps.push_back((robot.T_world_cloud[i].translation_m() - robot.T_world_cloud[i - 1].translation_m()).norm());
+  }
+  return steps;
+}
+
+// Share of the path that leads along the sensor's own z axis.
+double share_along_own_z(const RobotLog& robot) {
+  double along_m = 0.0;
+  double path_m = 0.0;
+  for (std::size_t i = 1; i < robot.T_world_cloud.size(); ++i) {
+    const Pose3& before = robot.T_world_cloud[i - 1];
+    const Eigen::Vector3d step_m =
+        before.rotation().conjugate() * (robot.T_world_cloud[i].translation_m() - before.translation_m());
+    along_m += std::abs(step_m.z());
+    path_m += step_m.norm();
+  }
+  return path_m > 0.0 ? along_m / path_m : 0.0;
+}
+
+/// Collects what is odd about one robot.
+class Finder {
+ public:
+  Finder(const RobotLog& robot, const RobotInspection& seen, std::vector<Oddity>& found)
+      : robot_(robot), seen_(seen), found_(found) {}
+
+  void look() {
+    look_at_poses();
+    look_at_stamps();
+    look_at_first_cloud();
+    look_for_identical_clouds();
+    if (seen_.clouds_found > seen_.clouds || seen_.poses_found > seen_.clouds) {
+      say("poses-unmatched", fmt::format("{} of {} clouds and {} poses belong together", seen_.clouds,
+                                         seen_.clouds_found, seen_.poses_found));
+    }
+  }
+
+ private:
+  void say(std::string_view code, std::string what) { found_.push_back({code, robot_.name, std::move(what)}); }
+
+  void look_at_poses() {
+    const std::vector<double> steps = steps_m(robot_);
+    if (steps.empty() || robot_.finished_submaps) return;
+    if (seen_.path_length_m < kNearlyStill_m) {
+      say("no-motion", fmt::format("{} poses within {:.0f} cm", seen_.clouds, 100.0 * seen_.path_length_m));
+      return;
+    }
+    const double usual_m = median_of(steps);
+    if (usual_m > kStep_m) {
+      say("millimetres", fmt::format("from cloud to cloud the poses move by {:.0f} m (median)", usual_m));
+      return;
+    }
+    const auto longest = std::max_element(steps.begin(), steps.end());
+    if (*longest > std::max(kJump_m, kJumpOfMedian * usual_m)) {
+      const auto at = static_cast<std::size_t>(longest - steps.begin());
+      say("pose-jump",
+          fmt::format("{:.1f} m between clouds {} and {}, usually {:.2f} m", *longest, at, at + 1, usual_m));
+    }
+    const double along_z = share_along_own_z(robot_);
+    if (seen_.path_length_m > kShortPath_m && along_z > kAlongOwnZ) {
+      say("camera-frame", fmt::format("{:.0f} % of the path leads along the sensor's own z axis", 100.0 * along_z));
+    }
+  }
+
+  void look_at_stamps() {
+    std::vector<double> intervals_s;
+    for (std::size_t i = 1; i < robot_.stamps_ns.size(); ++i) {
+      intervals_s.push_back(1e-9 * static_cast<double>(robot_.stamps_ns[i] - robot_.stamps_ns[i - 1]));
+    }
+    if (intervals_s.empty()) return;
+    const auto [least, most] = std::minmax_element(intervals_s.begin(), intervals_s.end());
+    if (*least < 0.0) {
+      const auto at = static_cast<std::size_t>(least - intervals_s.begin());
+      say("time-jump", fmt::format("{:.1f} s back between clouds {} and {}", -*least, at, at + 1));
+    } else if (*most > std::max(kPause_s, kPauseOfMedian * median_of(intervals_s))) {
+      const auto at = static_cast<std::size_t>(most - intervals_s.begin());
+      say("time-jump", fmt::format("{:.0f} s between clouds {} and {}, usually {:.2f} s", *most, at, at + 1,
+                                   median_of(intervals_s)));
+    }
+  }
+
+  void look_at_first_cloud() {
+    const std::size_t all = seen_.first_points + seen_.first_dropped;
+    if (all == 0) return;
+    if (2 * seen_.first_dropped > all || seen_.median_range_m.value_or(0.0) > kLidarRange_m) {
+      say("millimetres", seen_.median_range_m
+                             ? fmt::format("the first cloud's median range is {:.0f} m, {} of {} points are left out",
+                                           *seen_.median_range_m, seen_.first_dropped, all)
+                             : fmt::format("all {} points of the first cloud are left out", all));
+    } else if (10 * seen_.first_dropped >= all) {
+      say("dropped-points", fmt::format("{} of {} points of the first cloud", seen_.first_dropped, all));
+    }
+    if (seen_.first_points < kFewPoints) say("few-points", fmt::format("{} in the first cloud", seen_.first_points));
+  }
+
+  [[nodiscard]] bool are_identical(std::size_t i, std::size_t k) const {
+    const Expected<PointCloud> a = robot_.read_cloud(i);
+    const Expected<PointCloud> b = robot_.read_cloud(k);
+    return a && b && !a->points_m.empty() && a->points_m == b->points_m;
+  }
+
+  void look_for_identical_clouds() {
+    if (!robot_.peek_cloud || !robot_.read_cloud) return;
+    std::optional<CloudPeek> before;
+    std::size_t compared = 0;
+    for (std::size_t i = 0; i < robot_.T_world_cloud.size() && compared < kMostComparisons; ++i) {
+      const std::optional<CloudPeek> here = robot_.peek_cloud(i);
+      if (i > 0 && here && before && *here == *before) {
+        ++compared;
+        if (are_identical(i - 1, i)) {
+          say("identical-clouds", fmt::format("{} and {}", robot_.cloud_name(i - 1), robot_.cloud_name(i)));
+          return;
+        }
+      }
+      before = here;
+    }
+  }
+
+  const RobotLog& robot_;
+  const RobotInspection& seen_;
+  std::vector<Oddity>& found_;
+};
+
+bool are_one(const RobotLog& a, const RobotLog& b) {
+  if (a.T_world_cloud.size() != b.T_world_cloud.size() || !a.peek_cloud || !b.peek_cloud) return false;
+  for (std::size_t i = 0; i < a.T_world_cloud.size(); ++i) {
+    if (a.T_world_cloud[i].translation_m() != b.T_world_cloud[i].translation_m()) return false;
+  }
+  const std::size_t last = a.T_world_cloud.size() - 1;
+  return a.peek_cloud(0) == b.peek_cloud(0) && a.peek_cloud(last) == b.peek_cloud(last);
+}
+
+void compare_robots(std::span<const RobotLog> robots, std::span<const RobotInspection> seen,
+                    std::vector<Oddity>& found) {
+  for (std::size_t i = 0; i < robots.size(); ++i) {
+    double nearest_m = std::numeric_limits<double>::infinity();
+    for (std::size_t k = 0; k < robots.size(); ++k) {
+      if (k == i) continue;
+      nearest_m = std::min(nearest_m, seen[i].extent_world_m.exteriorDistance(seen[k].extent_world_m));
+      if (k < i && are_one(robots[i], robots[k])) {
+        found.push_back({"identical-robots", robots[i].name,
+                         fmt::format("its poses and clouds are those of {}", printable(robots[k].name))});
+      }
+    }
+    if (robots.size() > 1 && nearest_m > kFar_m) {
+      found.push_back({"far-robot", robots[i].name, fmt::format("{:.0f} m from the nearest other", nearest_m)});
+    }
+  }
+}
+
+}  // namespace
+
+std::vector<Oddity> find_oddities(std::span<const RobotLog> robots, std::span<const RobotInspection> seen) {
+  std::vector<Oddity> found;
+  for (std::size_t i = 0; i < robots.size(); ++i) Finder(robots[i], seen[i], found).look();
+  compare_robots(robots, seen, found);
+  return found;
+}
+
+}  // namespace kilter

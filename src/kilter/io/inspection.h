@@ -1,0 +1,59 @@
+// SPDX-FileCopyrightText: The kilter authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Geometry>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "kilter/base/expected.h"
+#include "kilter/io/mission.h"
+#include "kilter/io/oddity.h"
+#include "kilter/submap/cutting.h"
+
+namespace kilter {
+
+/// How many points a robot's clouds hold.
+struct PointCount {
+  std::uint64_t points = 0;
+  bool estimated = false;  ///< from some of the clouds
+};
+
+/// What can be told of a robot from its poses, its clouds' headers and its first cloud.
+struct RobotInspection {
+  std::string name;
+  std::string kind;  ///< of its source
+  bool finished_submaps = false;
+  std::size_t clouds = 0;  ///< that have a pose
+  std::size_t clouds_found = 0;
+  std::size_t poses_found = 0;
+  std::optional<PointCount> points;  ///< absent where headers do not tell
+  double path_length_m = 0.0;
+  Eigen::AlignedBox3d extent_world_m;    ///< of the poses
+  std::optional<std::int64_t> first_ns;  ///< stamp of the first cloud, where there are stamps
+  std::optional<std::int64_t> last_ns;   ///< and of the last
+  std::size_t likely_submaps = 0;        ///< as `check` would cut them
+  std::size_t first_points = 0;          ///< of the first cloud, once read
+  std::size_t first_dropped = 0;         ///< and how many of it were not finite or too far
+  std::optional<double> median_range_m;  ///< of the first cloud's points from its origin; absent without points
+};
+
+/// What a mission holds, and what is odd about it.
+struct Inspection {
+  std::vector<RobotInspection> robots;
+  std::size_t likely_submaps = 0;
+  /// Pairs of submaps, neighbours along a path included, whose routes come within one submap_distance of each other;
+  /// absent where there are too many submaps to count them at once.
+  std::optional<std::size_t> likely_pairs;
+  std::vector<Oddity> oddities;  ///< robot by robot
+};
+
+/// Looks at a mission without building anything: headers of all clouds (of some thousand at most), the first cloud of
+/// each robot, and as many clouds as it takes to tell whether neighbours are the same.
+/// \return  or what reading a first cloud fails with.
+[[nodiscard]] Expected<Inspection> inspect(const Mission& mission, const CuttingOptions& cutting);
+
+}  // namespace kilter

@@ -1,0 +1,170 @@
+// SPDX-FileCopyrightText: The kilter authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "kilter/io/inspection.h"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <numbers>
+
+namespace kilter {
+namespace {
+
+// Ten scans a metre apart along x, each with 1200 points between 1 and 13 m and its own first point.
+RobotLog robot(const std::string& name, double at_x_m = 0.0) {
+  RobotLog log;
+  log.name = name;
+  log.kind = "robot folder";
+  for (int i = 0; i < 10; ++i) log.T_world_cloud.push_back(Pose3::from_translation(at_x_m + i, 0.0, 0.0));
+  log.clouds_found = log.poses_found = 10;
+  log.read_cloud = [](std::size_t scan) -> Expected<PointCloud> {
+    PointCloud cloud;
+    for (int i = 0; i < 1200; ++i)
+      cloud.add(1.0F + 0.01F * static_cast<float>(i), 0.1F * static_cast<float>(scan), 0.0F);
+    return cloud;
+  };
+  log.peek_cloud = [](std::size_t scan) -> std::optional<CloudPeek> { return CloudPeek{1200, 19200, scan}; };
+  log.cloud_name = [](std::size_t scan) { return fmt::format("scan {}", scan); };
+  return log;
+}
+
+Inspection inspected(std::vector<RobotLog> robots) {
+  Mission mission;
+  mission.robots = std::move(robots);
+  auto inspection = inspect(mission, {});
+  EXPECT_TRUE(inspection);
+  return *std::move(inspection);
+}
+
+std::vector<std::string> codes(const Inspection& inspection) {
+  std::vector<std::string> found;
+  for (const Oddity& oddity : inspection.oddities) {
+    found.emplace_back(oddity.code);
+    EXPECT_FALSE(way_out_of(oddity.code).empty()) << oddity.code;
+    EXPECT_FALSE(oddity.found.empty()) << oddity.code;
+  }
+  return found;
+}
+
+using Codes = std::vector<std::string>;
+
+TEST(Inspect, CountsWithoutReadingEverything) {
+  RobotLog log = robot("a");
+  int reads = 0;
+  const auto read = log.read_cloud;
+  log.read_cloud = [&reads, read](std::size_t i) {
+    ++reads;
+    return read(i);
+  };
+  const Inspection inspection = inspected({std::move(log)});
+  const RobotInspection& seen = inspection.robots.at(0);
+  EXPECT_EQ(reads, 1);
+  EXPECT_EQ(seen.points->points, 12000U);
+  EXPECT_FALSE(seen.points->estimated);
+  EXPECT_DOUBLE_EQ(seen.path_length_m, 9.0);
+  EXPECT_NEAR(*seen.median_range_m, 7.0, 0.1);
+  EXPECT_EQ(inspection.likely_submaps, 1U);
+  EXPECT_EQ(inspection.likely_pairs, 0U);
+  EXPECT_EQ(codes(inspection), Codes{});
+}
+
+TEST(Inspect, EstimatesPointsOfVeryManyClouds) {
+  RobotLog log = robot("a");
+  log.T_world_cloud.resize(5000, log.T_world_cloud.back());
+  const Inspection inspection = inspected({std::move(log)});
+  EXPECT_TRUE(inspection.robots[0].points->estimated);
+  EXPECT_EQ(inspection.robots[0].points->points, 5000U * 1200U);
+}
+
+TEST(Inspect, CountsPairsOfSubmapsThatAreNear) {
+  EXPECT_EQ(inspected({robot("a"), robot("b", 15.0)}).likely_pairs, 1U);
+  EXPECT_EQ(inspected({robot("a"), robot("b", 50.0)}).likely_pairs, 0U);
+}
+
+TEST(FindOddities, SeesPosesOfACamera) {
+  RobotLog log = robot("a");
+  const Eigen::Quaterniond turned(Eigen::AngleAxisd(std::numbers::pi / 2, Eigen::Vector3d::UnitY()));  // z ahead
+  for (Pose3& pose : log.T_world_cloud) pose = Pose3(turned, pose.translation_m());
+  EXPECT_EQ(codes(inspected({std::move(log)})), Codes{"camera-frame"});
+}
+
+TEST(FindOddities, SeesMillimetres) {
+  RobotLog poses = robot("a");
+  for (Pose3& pose : poses.T_world_cloud) pose = Pose3(pose.rotation(), 1000.0 * pose.translation_m());
+  EXPECT_EQ(codes(inspected({std::move(poses)})), Codes{"millimetres"});
+  RobotLog clouds = robot("a");
+  clouds.read_cloud = [](std::size_t) -> Expected<PointCloud> {
+    PointCloud cloud;
+    for (int i = 0; i < 2000; ++i) cloud.add(10.0F * static_cast<float>(i), 0.0F, 0.0F);
+    return cloud;
+  };
+  EXPECT_EQ(codes(inspected({std::move(clouds)})), Codes{"millimetres"});
+}
+
+TEST(FindOddities, SeesTheSameCloudTwice) {
+  RobotLog log = robot("a");
+  const auto read = log.read_cloud;
+  log.read_cloud = [read](std::size_t i) { return read(i == 5 ? 4 : i); };
+  EXPECT_EQ(codes(inspected({log})), Codes{});  // sizes and heads differ: not read at all
+  log.peek_cloud = [](std::size_t) -> std::optional<CloudPeek> { return CloudPeek{1200, 19200, 0}; };
+  const Inspection inspection = inspected({std::move(log)});
+  ASSERT_EQ(codes(inspection), Codes{"identical-clouds"});
+  EXPECT_EQ(inspection.oddities[0].found, "scan 4 and scan 5");
+}
+
+TEST(FindOddities, SeesTimeThatJumps) {
+  RobotLog log = robot("a");
+  for (std::int64_t i = 0; i < 10; ++i) log.stamps_ns.push_back(i * 100'000'000);
+  EXPECT_EQ(codes(inspected({log})), Codes{});
+  RobotLog back = log;
+  std::swap(back.stamps_ns[3], back.stamps_ns[4]);
+  EXPECT_EQ(codes(inspected({std::move(back)})), Codes{"time-jump"});
+  log.stamps_ns.back() += 3'600'000'000'000;
+  EXPECT_EQ(codes(inspected({std::move(log)})), Codes{"time-jump"});
+}
+
+TEST(FindOddities, SeesPosesThatJumpOrStand) {
+  RobotLog jump = robot("a");
+  for (std::size_t i = 6; i < 10; ++i)
+    jump.T_world_cloud[i] = Pose3::from_translation(40.0 + static_cast<double>(i), 0, 0);
+  const Inspection inspection = inspected({std::move(jump)});
+  ASSERT_EQ(codes(inspection), Codes{"pose-jump"});
+  EXPECT_EQ(inspection.oddities[0].found, "41.0 m between clouds 5 and 6, usually 1.00 m");
+  RobotLog still = robot("a");
+  for (Pose3& pose : still.T_world_cloud) pose = Pose3();
+  EXPECT_EQ(codes(inspected({std::move(still)})), Codes{"no-motion"});
+}
+
+TEST(FindOddities, SeesARobotFarFromAllOthersAndOneNamedTwice) {
+  EXPECT_EQ(codes(inspected({robot("a"), robot("b", 5.0), robot("c", 1000.0)})), Codes{"far-robot"});
+  EXPECT_EQ(codes(inspected({robot("a"), robot("b")})), Codes{"identical-robots"});
+}
+
+TEST(FindOddities, SeesCloudsWithoutPosesAndPoorClouds) {
+  RobotLog unmatched = robot("a");
+  unmatched.clouds_found = 12;
+  EXPECT_EQ(codes(inspected({std::move(unmatched)})), Codes{"poses-unmatched"});
+  RobotLog poor = robot("a");
+  poor.read_cloud = [](std::size_t) -> Expected<PointCloud> {
+    PointCloud cloud;
+    for (int i = 0; i < 800; ++i) cloud.add(1.0F + 0.01F * static_cast<float>(i), 0.0F, 0.0F);
+    for (int i = 0; i < 100; ++i) cloud.add(std::numeric_limits<float>::quiet_NaN(), 0.0F, 0.0F);
+    return cloud;
+  };
+  EXPECT_EQ(codes(inspected({std::move(poor)})), (Codes{"dropped-points", "few-points"}));
+}
+
+TEST(Inspect, PassesOnWhatIsWrongWithTheFirstCloud) {
+  Mission mission;
+  mission.robots.push_back(robot("a"));
+  mission.robots[0].read_cloud = [](std::size_t) -> Expected<PointCloud> {
+    return fail(ErrorCode::kTruncated, "short", "f");
+  };
+  const auto inspection = inspect(mission, {});
+  ASSERT_FALSE(inspection);
+  EXPECT_EQ(inspection.error().code, ErrorCode::kTruncated);
+}
+
+}  // namespace
+}  // namespace kilter

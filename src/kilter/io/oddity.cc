@@ -1,0 +1,64 @@
+// SPDX-FileCopyrightText: The kilter authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "kilter/io/oddity.h"
+
+#include <algorithm>
+#include <array>
+
+namespace kilter {
+
+std::span<const OddityTopic> oddity_catalog() {
+  static constexpr std::array kTopics = {
+      OddityTopic{"camera-frame",
+                  "The sensor moves along its own z axis most of the way. That is how cameras look (x right, y down, z "
+                  "ahead), not lidars. Poses of a camera with clouds of a lidar put every scan on its side.",
+                  "give poses of the lidar, or the camera's place on it as T_body_sensor"},
+      OddityTopic{"millimetres",
+                  "Distances are hundreds of times larger than a lidar's. Files seem to be in millimetres (or feet, or "
+                  "a map's grid), kilter reads metres.",
+                  "write clouds and poses in metres"},
+      OddityTopic{"identical-clouds",
+                  "Two clouds in a row hold the same points: a recording that stood still, a cloud that was saved "
+                  "twice, or one file under two names. Both count as evidence although only one was seen.",
+                  "remove one of them and its pose"},
+      OddityTopic{"identical-robots",
+                  "Two robots have the same poses and the same clouds: one folder was named twice. They would agree "
+                  "with each other perfectly and prove nothing.",
+                  "name each session once"},
+      OddityTopic{"time-jump",
+                  "Time runs backwards between two clouds, or stands for long: several recordings in one folder, a "
+                  "clock that was set, or stamps in other units.",
+                  "split it into one robot (NAME=PATH) for each recording"},
+      OddityTopic{"pose-jump",
+                  "Between two clouds the robot moved much farther than usual. Poses of another trajectory, a lost "
+                  "odometry, or key frames far apart.",
+                  "look at the poses there; a submap is cut at the jump if it is longer than submap_distance"},
+      OddityTopic{"no-motion",
+                  "All poses lie in one place: the poses are not these clouds', or clouds are in the world frame "
+                  "already.",
+                  "give each cloud its pose; one merged cloud is a submap of its own (NAME=FILE.pcd)"},
+      OddityTopic{
+          "far-robot",
+          "A robot's poses lie far from those of all others, so none of its submaps can meet theirs. Most often "
+          "its frame is its own, not the map's.",
+          "give all robots poses in one world frame"},
+      OddityTopic{"poses-unmatched",
+                  "Not every cloud found a pose, or not every pose a cloud. Those left over play no part.",
+                  "compare the stamps or numbers of both lists"},
+      OddityTopic{"few-points", "A cloud has so few points that its surfaces leave gaps between voxels.",
+                  "use a coarser resolution, and min_scans or a longer submap_distance"},
+      OddityTopic{"dropped-points",
+                  "A tenth or more of a cloud is not finite or lies beyond any lidar's reach, and is left out.",
+                  "look at the driver that wrote it; many write NaN where nothing came back, which is harmless"},
+  };
+  return kTopics;
+}
+
+std::string_view way_out_of(std::string_view code) {
+  const std::span<const OddityTopic> topics = oddity_catalog();
+  const auto found =
+      std::find_if(topics.begin(), topics.end(), [&](const OddityTopic& topic) { return topic.code == code; });
+  return found == topics.end() ? std::string_view() : found->way_out;
+}
+
+}  // namespace kilter
