@@ -75,19 +75,24 @@ char separator_of(std::string_view heading) {
   return ' ';
 }
 
-bool fits(const std::string& name, std::string_view pattern, char axis) {
-  std::string wanted(pattern);
-  std::replace(wanted.begin(), wanted.end(), '*', axis);
-  return name == wanted || (wanted.find('_') != std::string::npos && wanted.size() > 4 && name.ends_with("_" + wanted));
+// Without copies: a hostile heading may have a million cells.
+bool fits(std::string_view name, std::string_view pattern, char axis) {
+  if (name.size() < pattern.size()) return false;
+  const std::string_view end = name.substr(name.size() - pattern.size());
+  const auto same = [axis](char found, char wanted) { return found == (wanted == '*' ? axis : wanted); };
+  if (!std::equal(end.rbegin(), end.rend(), pattern.rbegin(), same)) return false;
+  if (name.size() == pattern.size()) return true;
+  return pattern.find('_') != std::string_view::npos && pattern.size() > 4 &&
+         name[name.size() - pattern.size() - 1] == '_';
 }
 
 template <std::size_t n>
-bool fits_any(const std::string& name, const std::array<std::string_view, n>& patterns, char axis = '*') {
+bool fits_any(std::string_view name, const std::array<std::string_view, n>& patterns, char axis = '*') {
   return std::any_of(patterns.begin(), patterns.end(), [&](std::string_view each) { return fits(name, each, axis); });
 }
 
 // Which of x y z qx qy qz qw a column is.
-std::optional<std::size_t> place_in_pose(const std::string& name) {
+std::optional<std::size_t> place_in_pose(std::string_view name) {
   constexpr std::string_view kAxes = "xyzw";
   for (std::size_t axis = 0; axis < kAxes.size(); ++axis) {
     if (axis < 3 && fits_any(name, kPositions, kAxes[axis])) return axis;
@@ -185,7 +190,7 @@ Expected<PoseColumns> parse_heading(std::string_view line) {
                                                    i + 1, kPoseColumns[*place]));
       }
       places[*place] = i;
-    } else if (!columns.stamp && fits_any(std::string(without_unit(column.name)), kStamps)) {
+    } else if (!columns.stamp && fits_any(without_unit(column.name), kStamps)) {
       columns.stamp = i;
       columns.unit = unit_of(column);
     } else if (!columns.file && fits_any(column.name, kFiles)) {

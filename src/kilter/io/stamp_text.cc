@@ -115,10 +115,12 @@ std::optional<StampText> stamp_of_file(std::string_view name) {
       std::min(stem.size(), static_cast<std::size_t>(std::find_if(stem.begin(), stem.end(), is_digit) - stem.begin())));
   const std::size_t underscore = stem.find('_');
   if (underscore == std::string_view::npos) return parse_stamp_text(stem);
-  // Nanoseconds may have lost their leading zeros, so they are a number and not digits behind a point.
+  // Nine digits of nanoseconds, or a time of this century if their leading zeros are gone: "robot1_000012" is neither.
+  const std::string_view fraction = stem.substr(underscore + 1);
   const std::optional<std::int64_t> seconds = parse_whole(stem.substr(0, underscore));
-  const std::optional<std::int64_t> nanoseconds = parse_whole(stem.substr(underscore + 1));
+  const std::optional<std::int64_t> nanoseconds = parse_whole(fraction);
   if (!seconds || !nanoseconds || *nanoseconds >= kBillion) return std::nullopt;
+  if (fraction.size() != 9 && !is_of_this_century(*seconds, StampUnit::kSeconds)) return std::nullopt;
   return StampText{*seconds, *nanoseconds, true};
 }
 

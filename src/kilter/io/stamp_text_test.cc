@@ -34,9 +34,11 @@ TEST(StampText, IsNothingForOtherWords) {
 TEST(StampText, StandsInNamesOfClouds) {
   EXPECT_EQ(stamp_of_file("1403636579.763555.pcd"), (StampText{1403636579, 763555000, true}));
   EXPECT_EQ(stamp_of_file("1403636579_063555584.pcd"), (StampText{1403636579, 63555584, true}));
+  EXPECT_EQ(stamp_of_file("1403636579_63.pcd"), (StampText{1403636579, 63, true}));
+  EXPECT_EQ(stamp_of_file("12_500000000.pcd"), (StampText{12, 500000000, true}));
   EXPECT_EQ(stamp_of_file("cloud_12.5.ply"), (StampText{12, 500000000, true}));
   EXPECT_EQ(stamp_of_file("000012.bin"), (StampText{12, 0, false}));
-  for (const char* name : {"map.pcd", "a1_b.pcd", "1_2_3.pcd", "1_9999999999.pcd", ".pcd", ""}) {
+  for (const char* name : {"map.pcd", "a1_b.pcd", "1_2_3.pcd", "robot1_000012.pcd", "1_9999999999.pcd", ".pcd", ""}) {
     EXPECT_FALSE(stamp_of_file(name)) << name;
   }
 }

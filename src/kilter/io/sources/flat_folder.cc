@@ -103,6 +103,13 @@ Expected<RobotLog> open_flat_folder(const SourceRequest& request, std::vector<st
   if (!bytes) return pass_up(bytes.error());
   const Expected<PoseList> poses = read_pose_list(bytes->view(), shown(*file));
   if (!poses) return pass_up(poses.error());
+  if (poses->layout == PoseLayout::kKitti && is_file(request.path / "calib.txt")) {
+    notes.push_back(
+        fmt::format("robot {}: {} is taken for the lidar's poses; if they are the camera's, as KITTI has them, move "
+                    "the clouds into "
+                    "a folder velodyne/ and calib.txt will be used",
+                    request.name, shown(file->filename())));
+  }
   RobotLog log;
   log.name = request.name;
   sort_by_number(*names);

@@ -170,6 +170,14 @@ TEST(FlatFolder, SaysWhereAListIsWrongEvenIfItBeginsSo) {
   expect_source_error(open_source(folder.path() / "f"), ErrorCode::kParse, "poses.txt:1");
 }
 
+TEST(FlatFolder, AsksWhosePosesTheyAreBesideACalibration) {
+  const TempFolder folder;
+  write_clouds(folder, 1);
+  folder.write("f/poses.txt", "1 0 0 0 0 1 0 0 0 0 1 0\n");
+  folder.write("f/calib.txt", "Tr: 1 0 0 0 0 1 0 0 0 0 1 0\n");
+  EXPECT_NE(notes_of(open_source(folder.path() / "f")).find("if they are the camera's"), std::string::npos);
+}
+
 TEST(FlatFolder, IsNoFolderOfSourcesAndNoOutput) {
   const TempFolder folder;
   write_clouds(folder, 1);
