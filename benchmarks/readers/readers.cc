@@ -48,8 +48,7 @@ bool compare(const std::string& what, std::size_t expected, const std::vector<Re
     for (std::size_t i = 0; i < readers.size(); ++i) {
       const auto start = std::chrono::steady_clock::now();
       const std::size_t found = readers[i].read();
-      best_s[i] =
-          std::min(best_s[i], std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+      best_s[i] = std::min(best_s[i], std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
       if (found == expected) continue;
       fmt::print("{}: {} finds {} instead of {}\n", what, readers[i].name, found, expected);
       return false;
