@@ -92,7 +92,7 @@ Done<Job> open_job(const SubmapsCommand& command) {
   if (auto fit = probe_output_folder(command.output_folder); !fit) return failed(fit.error(), true);
   for (const RobotLog& robot : job.mission.robots) {
     if (auto fit = check_robot_folder(folder_of(command, robot), command.replace); !fit) {
-      return failed(fit.error(), true);
+      return failed(fit.error(), fit.error().code != ErrorCode::kUsage);
     }
   }
   return job;
