@@ -59,8 +59,10 @@ std::string uri_of(const std::filesystem::path& path) {
 class Rosbag2Sqlite final : public BagReader {
  public:
   Rosbag2Sqlite(Database database, std::uint64_t file_bytes, std::string where)
-      : database_(std::move(database)), file_bytes_(file_bytes), where_(std::move(where)) {
-    steps_left_ = kFreeSteps + kStepsPerByte * file_bytes_;
+      : database_(std::move(database)),
+        file_bytes_(file_bytes),
+        steps_left_(kFreeSteps + kStepsPerByte * file_bytes),
+        where_(std::move(where)) {
     sqlite3_progress_handler(database_.get(), kStepsAtOnce, &Rosbag2Sqlite::count_steps, &steps_left_);
   }
 
@@ -88,7 +90,7 @@ class Rosbag2Sqlite final : public BagReader {
 
   Database database_;
   std::uint64_t file_bytes_;
-  std::uint64_t steps_left_ = 0;  // for the walk
+  std::uint64_t steps_left_;  // for the walk
   std::string where_;
   std::map<std::int64_t, std::size_t> topic_of_;  // by id
   mutable std::mutex mutex_;                      // one connection for all threads
