@@ -217,6 +217,7 @@ Expected<void> present(const CheckCommand& command, const Job& job, const Result
   options.tolerance_m = job.settings.check.judge.tolerance_m;
   options.colour = wants_colour(command.common.no_color);
   options.output_folder = command.output_folder;
+  for (const SourceSummary& source : job.mission.sources) options.sources.push_back(describe(source));
   return print_out(summary(result, options));
 }
 

@@ -81,6 +81,12 @@ void add_robots(Lines& lines, const Result& result) {
   add_labelled(lines, "Robots", text, 2);
 }
 
+void add_sources(Lines& lines, const std::vector<std::string>& sources) {
+  std::string text;
+  for (const std::string& source : sources) text += (text.empty() ? "" : "; ") + source;
+  if (!text.empty()) add_labelled(lines, sources.size() == 1 ? "Source" : "Sources", text, 1);
+}
+
 void add_counts(Lines& lines, const Result& result) {
   if (result.pairs.empty()) return;
   lines.push_back(fmt::format("{:<{}}{:>8}{:>13}{:>14}{:>12}", "Pairs", kLabel, "tested", "consistent", "inconsistent",
@@ -254,6 +260,7 @@ std::string summary(const Result& result, const SummaryOptions& options) {
   Lines lines;
   add_verdict(lines, result, options);
   add_certificate(lines, result);
+  add_sources(lines, options.sources);
   add_robots(lines, result);
   add_counts(lines, result);
   add_reasons(lines, result);

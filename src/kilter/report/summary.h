@@ -3,6 +3,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "kilter/pipeline/result.h"
 
@@ -12,6 +13,7 @@ namespace kilter {
 struct SummaryOptions {
   double tolerance_m = 0.1;                  ///< that the verdicts are about
   bool colour = false;                       ///< ANSI colours; nothing is said by colour alone
+  std::vector<std::string> sources;          ///< what was recognised, e.g. "GLIM dump, 214 submaps, 1 robot"
   std::string output_folder = "kilter-out";  ///< where the files are, for what to do next
 };
 

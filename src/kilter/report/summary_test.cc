@@ -32,6 +32,13 @@ std::size_t line_with(const std::string& text, const std::string& part) {
   return 0;
 }
 
+TEST(Summary, SaysWhatSourcesWere) {
+  SummaryOptions options;
+  options.sources = {"GLIM dump, 3 submaps, 1 robot", "mission, 2 scans, 1 robot"};
+  EXPECT_NE(summary(testing::small_result(), options).find("Sources     GLIM dump, 3 submaps, 1 robot; mission"),
+            std::string::npos);
+}
+
 TEST(Summary, TheVerdictComesFirst) {
   Result result = testing::small_result();
   EXPECT_THAT(summary(result), StartsWith("INCONSISTENT: 1 of 3 pairs"));
@@ -62,6 +69,7 @@ TEST(Summary, FitsATerminalHoweverLargeTheMission) {
   result.system.reason = "because " + std::string(50, 'z') + " and " + std::string(300, 'z');
   SummaryOptions options;
   options.output_folder = std::string(200, 'o');
+  options.sources.assign(9, std::string(60, 's'));
   for (const MapState state : {MapState::kConsistent, MapState::kInconsistent, MapState::kUndetermined}) {
     result.system.state = state;
     const std::vector<std::string> lines = lines_of(summary(result, options));

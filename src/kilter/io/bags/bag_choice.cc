@@ -68,33 +68,45 @@ void note_unusable(const Context& context, const BagTopic& topic, std::size_t ot
   }
 }
 
+bool has_fixed_name(const std::string& frame) {
+  return is_frame(frame, "map") || is_frame(frame, "odom") || is_frame(frame, "world");
+}
+
 // Where clouds are drawn rather than seen.
 bool is_in_world(const BagContents& contents, const std::string& frame) {
+  if (frame.empty()) return false;
   const auto is_fixed = [&](const PoseTopic& poses) { return !poses.poses.empty() && poses.frame == frame; };
   if (std::any_of(contents.poses.begin(), contents.poses.end(), is_fixed)) return true;
-  return is_frame(frame, "map") || is_frame(frame, "odom") || is_frame(frame, "world");
+  return has_fixed_name(frame);
+}
+
+tl::unexpected<Error> refuse_clouds(const Context& context) {
+  for (const CloudTopic& topic : context.contents.clouds) {
+    if (topic.unusable.first) return pass_up(*topic.unusable.first);
+  }
+  return fail(
+      ErrorCode::kEmptyInput,
+      fmt::format("expected clouds (sensor_msgs/PointCloud2), found none; {}", list_topics(context.contents.topics)),
+      context.where, "clouds of another type have to be converted, and recorded as PointCloud2");
 }
 
 Expected<const CloudTopic*> choose_clouds(const Context& context) {
   const std::vector<CloudTopic>& all = context.contents.clouds;
+  const std::vector<BagTopic>& topics = context.contents.topics;
+  const bool is_choosy = std::any_of(topics.begin(), topics.end(), [&](const BagTopic& topic) {
+    return topic.ros_type == RosType::kPointCloud2 && context.wants(topic.name);
+  });
   const CloudTopic* best = nullptr;
   const auto worth = [&](const CloudTopic& topic) {
-    return std::tuple(context.wants(topic.topic.name), !is_in_world(context.contents, topic.frame),
-                      topic.clouds.size());
+    return std::tuple(!is_in_world(context.contents, topic.frame), topic.clouds.size());
   };
   for (const CloudTopic& topic : all) {
-    if (topic.clouds.empty()) continue;
+    if (topic.clouds.empty() || (is_choosy && !context.wants(topic.topic.name))) continue;
     const bool better = best == nullptr || worth(topic) > worth(*best) ||
                         (worth(topic) == worth(*best) && topic.topic.name < best->topic.name);
     if (better) best = &topic;
   }
-  if (best == nullptr) {
-    if (!all.empty() && all.front().unusable.first) return pass_up(*all.front().unusable.first);
-    return fail(ErrorCode::kEmptyInput,
-                fmt::format("expected a topic of sensor_msgs/PointCloud2, found none; {}",
-                            list_topics(context.contents.topics)),
-                context.where, "clouds of another type have to be converted, and recorded as PointCloud2");
-  }
+  if (best == nullptr) return refuse_clouds(context);
   std::vector<std::string> others;
   for (const CloudTopic& topic : all) {
     if (&topic != best) others.push_back(fmt::format("{} ({})", topic.topic.name, topic.clouds.size()));
@@ -138,35 +150,51 @@ tl::unexpected<Error> refuse_poses(const Context& context, const std::vector<Pos
   }
   return fail(ErrorCode::kEmptyInput,
               fmt::format("expected poses in nav_msgs/Odometry, geometry_msgs/PoseStamped, nav_msgs/Path or transforms "
-                          "from a fixed frame to \"{}\", found none; {}",
+                          "from a fixed frame to \"{}\" (for clouds drawn in the world: in that frame), found none; {}",
                           printable(cloud_frame, 80), list_topics(context.contents.topics)),
               context.where, "record the SLAM's odometry or /tf and /tf_static beside the clouds");
 }
 
-Expected<ChosenPoses> choose_wanted_poses(const Context& context, const std::string& cloud_frame,
-                                          const std::vector<std::int64_t>& stamps) {
-  std::vector<PoseSource> sources = find_pose_sources(context.contents, cloud_frame);
-  std::vector<PoseSource> wanted;
-  std::copy_if(sources.begin(), sources.end(), std::back_inserter(wanted), [&](const PoseSource& source) {
-    if (source.topic.ros_type != RosType::kTransforms) return context.wants(source.topic.name);
-    const std::vector<std::string>& names = context.contents.transform_topics;
-    return std::any_of(names.begin(), names.end(), [&](const std::string& name) { return context.wants(name); });
+bool wants_source(const Context& context, const PoseSource& source) {
+  if (source.topic.ros_type != RosType::kTransforms) return context.wants(source.topic.name);
+  const std::vector<std::string>& names = context.contents.transform_topics;
+  return std::any_of(names.begin(), names.end(), [&](const std::string& name) { return context.wants(name); });
+}
+
+// The named topic is meant and no other, even if nothing in it is of use.
+bool wants_poses(const Context& context) {
+  const std::vector<BagTopic>& topics = context.contents.topics;
+  return std::any_of(topics.begin(), topics.end(), [&](const BagTopic& topic) {
+    return topic.ros_type != RosType::kPointCloud2 && context.wants(topic.name);
   });
-  const std::vector<PoseSource>& candidates = wanted.empty() ? sources : wanted;
-  std::optional<ChosenPoses> chosen = choose_poses(candidates, stamps);
-  if (!chosen) return refuse_poses(context, candidates, cloud_frame, stamps);
+}
+
+// Of all sources those that are meant; for clouds in the world, those that speak of the same world.
+std::vector<PoseSource> candidates_of(const Context& context, const std::vector<PoseSource>& sources,
+                                      const std::string& cloud_frame) {
+  const bool is_choosy = wants_poses(context);
+  const bool in_world = has_fixed_name(cloud_frame);
+  std::vector<PoseSource> candidates;
+  std::copy_if(sources.begin(), sources.end(), std::back_inserter(candidates), [&](const PoseSource& source) {
+    return (!is_choosy || wants_source(context, source)) && (!in_world || source.frame == cloud_frame);
+  });
+  return candidates;
+}
+
+void note_poses(const Context& context, const ChosenPoses& chosen, const std::vector<PoseSource>& sources,
+                std::size_t clouds) {
+  const PoseSource& source = chosen.source;
+  std::string text = fmt::format("{} poses from {}, in {}; poses matched {} of {} clouds", source.poses,
+                                 label(source.topic), quoted_frame(source.frame), chosen.match.clouds.size(), clouds);
+  if (chosen.match.clouds.size() < clouds) text += ", the others have no pose close enough and are left out";
   std::vector<std::string> others;
-  for (const PoseSource& source : sources) {
-    if (source.topic.name != chosen->source.topic.name) others.push_back(source.topic.name);
+  for (const PoseSource& other : sources) {
+    if (other.topic.name != source.topic.name) others.push_back(other.topic.name);
   }
-  std::string text = fmt::format("{} poses from {}, in {}; poses matched {} of {} clouds", chosen->source.poses,
-                                 label(chosen->source.topic), quoted_frame(chosen->source.frame),
-                                 chosen->match.clouds.size(), stamps.size());
-  if (chosen->match.clouds.size() < stamps.size()) text += ", the others have no pose close enough and are left out";
   if (!others.empty()) text += fmt::format("; not from {}: name one as PATH#/TOPIC", some_of(others));
   context.note(text);
   for (const PoseTopic& topic : context.contents.poses) {
-    if (topic.topic.name == chosen->source.topic.name) {
+    if (topic.topic.name == source.topic.name) {
       note_unusable(context, topic.topic, topic.other_frames, topic.unusable);
     }
   }
@@ -175,13 +203,22 @@ Expected<ChosenPoses> choose_wanted_poses(const Context& context, const std::str
     context.note(fmt::format("{} messages of transforms could not be used; the first: {}", transforms.messages,
                              in_a_line(*transforms.first)));
   }
+}
+
+Expected<ChosenPoses> choose_wanted_poses(const Context& context, const std::string& cloud_frame,
+                                          const std::vector<std::int64_t>& stamps) {
+  const std::vector<PoseSource> sources = find_pose_sources(context.contents, cloud_frame);
+  const std::vector<PoseSource> candidates = candidates_of(context, sources, cloud_frame);
+  std::optional<ChosenPoses> chosen = choose_poses(candidates, stamps);
+  if (!chosen) return refuse_poses(context, candidates, cloud_frame, stamps);
+  note_poses(context, *chosen, sources, stamps.size());
   return *std::move(chosen);
 }
 
 // Poses of the vehicle become poses of the sensor where the bag says how it is mounted.
 void move_to_clouds(const Context& context, const std::string& cloud_frame, ChosenPoses& poses) {
   const PoseSource& source = poses.source;
-  if (source.frame == cloud_frame) {
+  if (source.frame == cloud_frame && !cloud_frame.empty()) {
     context.note(
         fmt::format("the clouds are drawn in the poses' own {}; each is brought back to where it was seen by its "
                     "pose",
@@ -220,7 +257,7 @@ Expected<BagChoice> choose_from(const BagContents& contents, const WantedTopics&
   choice.stamps_ns = stamps_of(context, **clouds);
   auto poses = choose_wanted_poses(context, (*clouds)->frame, choice.stamps_ns);
   if (!poses) return pass_up(poses.error());
-  choice.clouds_in_world = poses->source.frame == (*clouds)->frame;
+  choice.clouds_in_world = !(*clouds)->frame.empty() && poses->source.frame == (*clouds)->frame;
   move_to_clouds(context, (*clouds)->frame, *poses);
   choice.poses_found = poses->source.poses;
   choice.matched = std::move(poses->match.clouds);

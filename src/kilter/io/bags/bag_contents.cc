@@ -38,7 +38,7 @@ class Collector {
                  const std::string& where);
   void take_transforms(const BagTopic& topic, std::string_view bytes, const std::string& where);
   void note_path(std::uint32_t file, const BagTopic& topic, const PassingMessage& message);
-  static void add_pose(PoseTopic& topic, RosPose pose);
+  static void add_pose(PoseTopic& topic, const RosPose& pose);
   Expected<void> read_path(const LastPath& path);
 
   template <typename Topics>
@@ -81,7 +81,7 @@ void Collector::take_cloud(std::uint32_t file, const BagTopic& topic, const Pass
   clouds.clouds.push_back({header->stamp_ns, message.log_ns, file, message.place});
 }
 
-void Collector::add_pose(PoseTopic& topic, RosPose pose) {
+void Collector::add_pose(PoseTopic& topic, const RosPose& pose) {
   if (topic.poses.empty()) {
     topic.frame = pose.header.frame;
     topic.child_frame = pose.child_frame;
@@ -98,7 +98,7 @@ void Collector::take_pose(const BagTopic& topic, const PassingMessage& message, 
   PoseTopic& poses = contents_.poses[index_in(contents_.poses, message, topic)];
   auto pose = read_ros_pose(bytes, topic.ros_type, topic.encoding, where);
   if (!pose) return poses.unusable.add(std::move(pose.error()));
-  add_pose(poses, *std::move(pose));
+  add_pose(poses, *pose);
 }
 
 void Collector::take_transforms(const BagTopic& topic, std::string_view bytes, const std::string& where) {
@@ -145,8 +145,7 @@ void Collector::take(std::uint32_t file, const BagTopic& topic, const PassingMes
 Expected<void> Collector::collect(std::uint32_t file) {
   BagReader& reader = *files_[file];
   index_of_.clear();
-  const auto done =
-      reader.walk([&](const PassingMessage& message) { take(file, reader.topics()[message.topic], message); });
+  auto done = reader.walk([&](const PassingMessage& message) { take(file, reader.topics()[message.topic], message); });
   if (!done) return done;
   for (const BagTopic& topic : reader.topics()) {
     const auto found = std::find_if(contents_.topics.begin(), contents_.topics.end(),
@@ -170,7 +169,7 @@ Expected<void> Collector::read_path(const LastPath& path) {
     poses.unusable.add(std::move(all.error()));
     return {};
   }
-  for (RosPose& pose : all->poses) add_pose(poses, std::move(pose));
+  for (const RosPose& pose : all->poses) add_pose(poses, pose);
   if (all->invalid > 0) {
     poses.unusable.add({ErrorCode::kInvalidPose,
                         fmt::format("{} poses are not finite or no rotations", all->invalid),

@@ -4,7 +4,9 @@
 
 #include <gmock/gmock.h>
 
+#include <atomic>
 #include <cmath>
+#include <thread>
 
 #include "kilter/io/mission.h"
 #include "testing/bag_walk.h"
@@ -67,6 +69,31 @@ TEST(BagLog, ReadsTheSameFromEveryKindOfBag) {
       EXPECT_EQ(points->points_m.at(0), Eigen::Vector3f(static_cast<float>(i), 2, 3));
     }
   }
+}
+
+TEST(BagLog, ReadsCloudsForSeveralThreadsAtOnce) {
+  const kilter_testing::TempFolder folder;
+  constexpr int kClouds = 40;
+  static_cast<void>(folder.write(
+      "a.bag", rosbag1_bytes(small_drive(RosDialect::kRos1, kClouds), {.packing = kilter_testing::BagPacking::kLz4})));
+  kilter_testing::write_sqlite_bag(folder.path() / "b.db3", small_drive(kCdr, kClouds));
+  const auto mission = open_mission({folder.path() / "a.bag", folder.path() / "b.db3"});
+  ASSERT_TRUE(mission) << to_string(mission.error());
+  std::atomic<int> right{0};
+  const auto read_all = [&](int first) {
+    for (const RobotLog& log : mission->robots) {
+      for (int k = 0; k < kClouds; ++k) {
+        const int i = (first + 7 * k) % kClouds;
+        const auto points = log.read_cloud(static_cast<std::size_t>(i));
+        right += points && points->points_m.at(0).x() == static_cast<float>(i) ? 1 : 0;
+      }
+    }
+  };
+  {
+    std::vector<std::jthread> threads;
+    for (int first = 0; first < 4; ++first) threads.emplace_back(read_all, 10 * first);
+  }
+  EXPECT_EQ(right, 4 * 2 * kClouds);
 }
 
 TEST(BagLog, TakesTheTopicWithMostCloudsUnlessToldOtherwise) {
@@ -177,6 +204,16 @@ TEST(BagLog, BringsCloudsInTheWorldBackToWhereTheyWereSeen) {
   EXPECT_EQ(x_of(*mission, 0), 5.0);
   EXPECT_EQ(mission->robots[0].read_cloud(0)->points_m[0], Eigen::Vector3f(-4, 2, 3));
   EXPECT_THAT(mission->notes, Contains(HasSubstr("brought back")));
+}
+
+TEST(BagLog, TakesNoOtherTopicForOneThatIsNamed) {
+  const std::vector<RecordedMessage> messages = {cloud(0), odometry(0, 0), odometry(0, std::nan(""), "/broken")};
+  EXPECT_TRUE(open_recording(messages, "#/odom"));
+  const auto refused = open_recording(messages, "#/broken");
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::kInvalidPose);
+  // Clouds of one world, poses of another: neither can be brought to the other.
+  EXPECT_EQ(open_recording({cloud(0, "/points", "map"), odometry(0, 0)}).error().code, ErrorCode::kEmptyInput);
 }
 
 TEST(BagLog, SaysWhatIsMissing) {

@@ -75,6 +75,7 @@ Expected<std::vector<fs::path>> files_of(const fs::path& path, std::string_view 
                 shown(path), "name each bag: kilter check a=PATH b=PATH");
   }
   std::vector<fs::path> files;
+  files.reserve(parts.size());
   for (const Part& part : parts) files.push_back(path / part.name);
   return files;
 }
@@ -84,6 +85,7 @@ Expected<RobotLog> open_bag(const SourceRequest& request, std::string_view exten
   const auto paths = files_of(request.path, extension);
   if (!paths) return pass_up(paths.error());
   BagFiles files;
+  files.reserve(paths->size());
   for (const fs::path& path : *paths) {
     if (lower_case(path.native()).ends_with(".zstd")) {
       return fail(ErrorCode::kUnsupported, "this bag was packed as a whole file, which kilter does not read",

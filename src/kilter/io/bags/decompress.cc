@@ -26,8 +26,8 @@ Unpacked unpack_bz2(std::string_view packed, ByteBuffer& into) {
   if (packed.size() > std::numeric_limits<unsigned>::max()) return {0, "it is too large for bzip2"};
   auto size = static_cast<unsigned>(into.size());
   // The library takes what it only reads as writable.
-  const int status = BZ2_bzBuffToBuffDecompress(into.data(), &size, const_cast<char*>(packed.data()),
-                                                static_cast<unsigned>(packed.size()), 0, 0);
+  char* source = const_cast<char*>(packed.data());  // NOLINT(cppcoreguidelines-pro-type-const-cast)
+  const int status = BZ2_bzBuffToBuffDecompress(into.data(), &size, source, static_cast<unsigned>(packed.size()), 0, 0);
   if (status == BZ_OK) return {size, {}};
   return {0, status == BZ_OUTBUFF_FULL ? "it holds more" : fmt::format("bzip2 says {}", status)};
 }

@@ -179,7 +179,7 @@ Expected<void> Mcap::walk_cut_record(std::uint64_t position, const MessageVisito
     const auto chunk = read_mcap_chunk(file_, position + 9, load<std::uint64_t>(head->data() + 1, std::endian::little));
     if (chunk && chunk->compression.empty() && chunk->begin <= file_.end()) {
       ByteWindow window(store_.file(), chunk->begin, file_.end());
-      const auto done = walk_inside(window, MessagePlace::kNoChunk, visit);
+      auto done = walk_inside(window, MessagePlace::kNoChunk, visit);
       if (!done && done.error().code != ErrorCode::kTruncated) return done;
     }
   }
@@ -204,8 +204,8 @@ Expected<void> Mcap::walk(const MessageVisitor& visit) {
       break;
     }
     if (record->is(McapOp::kDataEnd) || record->is(McapOp::kFooter)) return {};
-    const auto done = record->is(McapOp::kChunk) ? walk_chunk(*record, visit)
-                                                 : walk_record(file_, *record, MessagePlace::kNoChunk, visit);
+    auto done = record->is(McapOp::kChunk) ? walk_chunk(*record, visit)
+                                           : walk_record(file_, *record, MessagePlace::kNoChunk, visit);
     if (!done) return done;
     position = record->end();
   }

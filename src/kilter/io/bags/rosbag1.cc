@@ -162,7 +162,7 @@ Expected<std::uint64_t> Rosbag1::walk_chunk(const Rosbag1Record& record, const M
   if (is_whole && count_by_index(record.end())) return record.end();
   if (*packing == Packing::kNone) {
     ByteWindow window(store_.file(), record.data_begin, std::min(record.end(), file_.end()));
-    const auto end = walk_records(window, MessagePlace::kNoChunk, visit);
+    auto end = walk_records(window, MessagePlace::kNoChunk, visit);
     if (!end || *end == record.end() || !is_whole) return end;
     return fail(ErrorCode::kParse, "a record is longer than the chunk that holds it", file_.where(*end));
   }
@@ -171,7 +171,7 @@ Expected<std::uint64_t> Rosbag1::walk_chunk(const Rosbag1Record& record, const M
   const auto bytes = store_.chunk(number);
   if (!bytes) return pass_up(bytes.error());
   ByteWindow window((*bytes)->view(), store_.where_of_chunk(number));
-  const auto end = walk_records(window, number, visit);
+  auto end = walk_records(window, number, visit);
   if (!end) return end;
   if (*end == window.end()) return record.end();
   return fail(ErrorCode::kParse, "a record is longer than the chunk that holds it", window.where(*end));

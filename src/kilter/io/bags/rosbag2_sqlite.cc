@@ -33,6 +33,11 @@ using Blob = std::unique_ptr<sqlite3_blob, CloseBlob>;
 constexpr int kMaxBlobBytes = 1 << 30;
 constexpr std::uint64_t kMinRowBytes = 8;
 
+// Pages of a damaged file may lead to one another, so SQLite's steps are counted: some ten are taken for a row.
+constexpr int kStepsAtOnce = 1000;
+constexpr std::uint64_t kFreeSteps = 10'000'000;
+constexpr std::uint64_t kStepsPerByte = 4;
+
 std::string text_of(sqlite3_stmt* statement, int column) {
   const auto* text = reinterpret_cast<const char*>(sqlite3_column_text(statement, column));
   return text == nullptr ? "" : std::string(text, static_cast<std::size_t>(sqlite3_column_bytes(statement, column)));
@@ -54,7 +59,12 @@ std::string uri_of(const std::filesystem::path& path) {
 class Rosbag2Sqlite final : public BagReader {
  public:
   Rosbag2Sqlite(Database database, std::uint64_t file_bytes, std::string where)
-      : database_(std::move(database)), file_bytes_(file_bytes), where_(std::move(where)) {}
+      : database_(std::move(database)),
+        file_bytes_(file_bytes),
+        steps_left_(kFreeSteps + kStepsPerByte * file_bytes),
+        where_(std::move(where)) {
+    sqlite3_progress_handler(database_.get(), kStepsAtOnce, &Rosbag2Sqlite::count_steps, &steps_left_);
+  }
 
   Expected<void> walk(const MessageVisitor& visit) override;
   Expected<MessageBytes> read(const MessagePlace& place) const override;
@@ -64,6 +74,13 @@ class Rosbag2Sqlite final : public BagReader {
   void add_note(std::string note) { notes_.push_back(std::move(note)); }
 
  private:
+  // \return whether to stop.
+  static int count_steps(void* steps_left) {
+    auto& left = *static_cast<std::uint64_t*>(steps_left);
+    if (left < kStepsAtOnce) return 1;
+    left -= kStepsAtOnce;
+    return 0;
+  }
   [[nodiscard]] tl::unexpected<Error> refuse(std::string_view doing) const;
   [[nodiscard]] Expected<Statement> prepare(const char* query) const;
   [[nodiscard]] Expected<void> demand_table(const char* name) const;
@@ -73,6 +90,7 @@ class Rosbag2Sqlite final : public BagReader {
 
   Database database_;
   std::uint64_t file_bytes_;
+  std::uint64_t steps_left_;  // for the walk
   std::string where_;
   std::map<std::int64_t, std::size_t> topic_of_;  // by id
   mutable std::mutex mutex_;                      // one connection for all threads
@@ -82,6 +100,9 @@ tl::unexpected<Error> Rosbag2Sqlite::refuse(std::string_view doing) const {
   const int code = sqlite3_errcode(database_.get()) & 0xFF;
   const std::string words =
       fmt::format("{}: SQLite says \"{}\"", doing, printable(sqlite3_errmsg(database_.get()), 200));
+  if (code == SQLITE_INTERRUPT) {
+    return fail(ErrorCode::kParse, fmt::format("{}: its pages lead to one another without end", doing), where_);
+  }
   if (code == SQLITE_NOMEM) return fail(ErrorCode::kOutOfMemory, words, where_);
   if (code == SQLITE_IOERR) return fail(ErrorCode::kIo, words, where_);
   return fail(ErrorCode::kParse, words, where_,
@@ -165,11 +186,12 @@ Expected<void> Rosbag2Sqlite::walk(const MessageVisitor& visit) {
   std::uint64_t rows = 0;
   int status = sqlite3_step(query->get());
   for (; status == SQLITE_ROW; status = sqlite3_step(query->get())) {
-    // Pages of a damaged file may lead to one another.
     if (++rows > file_bytes_ / kMinRowBytes) return fail(ErrorCode::kParse, "more rows than fit the file", where_);
     if (auto ok = pass_row(query->get(), visit); !ok) return ok;
   }
   if (status != SQLITE_DONE) return refuse("the messages cannot be read to their end");
+  // Reading clouds again takes as long as it is asked for.
+  sqlite3_progress_handler(database_.get(), 0, nullptr, nullptr);
   return {};
 }
 
