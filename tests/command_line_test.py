@@ -128,7 +128,10 @@ class Info(unittest.TestCase):
             self.assertAlmostEqual(robots[0]["path_length_m"], 24.0, delta=0.1)
             text = run_kilter("info", tiny.mission)
             self.assertEqual(text.status, 0)
-            self.assertIn("2 robots, 26 clouds, likely 6 submaps", text.stdout)
+            self.assertIn("mission, 26 scans, 2 robots", text.stdout)
+            self.assertIn("Likely 6 submaps", text.stdout)
+            self.assertIn("poses matched 13 of 13", text.stdout)
+            self.assertIn("Nothing odd found", text.stdout)
 
     def test_says_what_is_wrong_before_any_work(self):
         with TinyMission() as tiny:

@@ -226,11 +226,8 @@ int refuse_output(const Error& error) {
   return exit_status_of_output(error.code);
 }
 
-// What was recognised, and what of it a person should know before any work.
+// What a person should know of the sources before any work.
 void print_notes_before(const Job& job) {
-  for (const SourceSummary& source : job.mission.sources) {
-    print_note(fmt::format("{}: {}", printable(source.source, 1024), describe(source)));
-  }
   for (const std::string& note : job.mission.notes) print_note(note);
   for (const std::string& note : notes_on_cells(job.mission, job.settings.check.submap.occupancy.resolution_m)) {
     print_note(note);

@@ -20,4 +20,7 @@ inline constexpr std::uint64_t kMaxPoseFileBytes = std::uint64_t{1} << 30;
 /// Reads a whole file of poses. \return what read_poses gives, or what read_file fails with.
 [[nodiscard]] Expected<std::vector<Pose3>> read_pose_file(const std::filesystem::path& path);
 
+/// The stamps of a file of poses; none where its layout has none, or where it cannot be read. [ns]
+[[nodiscard]] std::vector<std::int64_t> read_stamps_ns(const std::filesystem::path& path);
+
 }  // namespace kilter

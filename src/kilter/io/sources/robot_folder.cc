@@ -111,6 +111,7 @@ Expected<RobotLog> open_robot_folder(const SourceRequest& request, std::vector<s
   if (poses->size() != list->files.size()) return refuse_counts(list->files, poses->size(), *pose_file, clouds);
   note_oddities(*list, log.name, clouds.filename().string(), notes);
   log.T_world_cloud = *std::move(poses);
+  log.stamps_ns = read_stamps_ns(*pose_file);
   std::vector<fs::path> paths;
   for (const std::string& file : list->files) paths.push_back(clouds / file);
   if (log.finished_submaps && has_octree_name(list->files.front())) {
