@@ -73,7 +73,7 @@ DAMAGES = {
     "a pcd without a header": (scan(0, ".pcd", b"\x00" * 64), "", "000000.pcd"),
     "a ply with a negative count": (scan(0, ".ply", ply("-1")), "parse", "000000.ply"),
     "a ply that claims four billion points": (scan(0, ".ply", ply("4000000000")), "truncated", "000000.ply"),
-    "a format that nobody reads": (scan(0, ".laz", b"LASF"), "empty-input", "only 000000.las"),
+    "a format that nobody reads": (scan(0, ".laz", b"LASF"), "empty-input", "only 000000.laz"),
 }
 
 # Arguments behind `check MISSION`, the status, the code and a part of the message.
