@@ -59,7 +59,7 @@ class Submaps(unittest.TestCase):
         folder = self.write("checked")
         run = run_kilter("check", folder, "-o", self.tiny.folder / "out")
         self.assertEqual(run.status, 1, run.stderr)
-        self.assertIn("mission, 6 submaps, 2 robots", run.stderr)
+        self.assertIn("mission, 6 submaps, 2 robots", run.stdout)
         result = read_result(self.tiny.folder / "out")
         self.assertEqual([submap["id"] for submap in result["submaps"]], ["a/1", "a/2", "a/3", "b/1", "b/2", "b/3"])
         self.assertIsNone(result["submaps"][0]["first_scan"])
@@ -113,7 +113,7 @@ class Trees(unittest.TestCase):
             tree = tiny.folder / "trees" / "a" / "submaps" / "000000.ot"
             run = run_kilter("check", f"a={tree}", f"b={tree}", "-o", tiny.folder / "out")
             self.assertEqual(run.status, 0, run.stdout + run.stderr)
-            self.assertIn("OctoMap tree, 1 submap, 1 robot", run.stderr)
+            self.assertIn("OctoMap tree, 2 submaps, 2 robots", run.stdout)
             self.assertEqual(run_kilter("info", tree).status, 0)
             coarse = run_kilter("check", f"a={tree}", f"b={tree}", "-o", tiny.folder / "out", "--set", "resolution=0.2")
             self.assertIn("--set resolution=0.1", coarse.stderr)
