@@ -113,7 +113,7 @@ class Trees(unittest.TestCase):
             tree = tiny.folder / "trees" / "a" / "submaps" / "000000.ot"
             run = run_kilter("check", f"a={tree}", f"b={tree}", "-o", tiny.folder / "out")
             self.assertEqual(run.status, 0, run.stdout + run.stderr)
-            self.assertIn("OctoMap tree, 2 submaps, 2 robots", run.stdout)
+            self.assertIn("OctoMap tree, 1 submap, 1 robot", run.stdout)
             self.assertEqual(run_kilter("info", tree).status, 0)
             coarse = run_kilter("check", f"a={tree}", f"b={tree}", "-o", tiny.folder / "out", "--set", "resolution=0.2")
             self.assertIn("--set resolution=0.1", coarse.stderr)
