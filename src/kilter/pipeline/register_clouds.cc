@@ -32,25 +32,25 @@ Submap submap_of(const PointCloud& cloud, bool scan, int number, const Pose3& T_
 
 }  // namespace
 
-Expected<PairMeasurement> register_clouds(const CloudPair& clouds, const CheckOptions& asked, const RunContext& run) {
-  CheckOptions options = resolved(asked);
-  options.matching.overlap_min = 0.0;
-  options.registration.always_search = true;  // one pair can afford it, and a start is often a guess
+Expected<PairMeasurement> register_clouds(const CloudPair& clouds, const CheckOptions& options, const RunContext& run) {
+  CheckOptions own = resolved(options);
+  own.matching.overlap_min = 0.0;
+  own.registration.always_search = true;  // one pair can afford it, and a start is often a guess
   std::vector<Submap> submaps;
-  submaps.push_back(submap_of(clouds.target, clouds.scans, 0, {}, options.submap.occupancy));
-  submaps.push_back(submap_of(clouds.source, clouds.scans, 1, clouds.T_target_source_init, options.submap.occupancy));
+  submaps.push_back(submap_of(clouds.target, clouds.scans, 0, {}, own.submap.occupancy));
+  submaps.push_back(submap_of(clouds.source, clouds.scans, 1, clouds.T_target_source_init, own.submap.occupancy));
   for (const Submap& submap : submaps) {
     if (submap.map.voxels().size() == 0) {
       return fail(ErrorCode::kInvalidArgument, "the " + submap.name + " cloud leaves no voxel within the range limits",
                   {}, "see min_range and max_range in kilter config show");
     }
   }
-  const SubmapSearches searches = build_searches(submaps, options, run);
+  const SubmapSearches searches = build_searches(submaps, own, run);
   CandidatePair pair;
   pair.id = {submaps[1].id, submaps[0].id};
   pair.kind = PairKind::kGlobal;
   pair.predicted_enough = true;
-  PairMeasurement measurement = measure_pair(submaps, searches, pair, options);
+  PairMeasurement measurement = measure_pair(submaps, searches, pair, own);
   std::optional<RegistrationResult>& registration = measurement.evidence.registration;
   if (!registration) registration.emplace().T_target_source = clouds.T_target_source_init;  // nothing to align
   return measurement;

@@ -58,7 +58,9 @@ class BagReader {
  public:
   BagReader() = default;
   BagReader(const BagReader&) = delete;
+  BagReader(BagReader&&) = delete;
   BagReader& operator=(const BagReader&) = delete;
+  BagReader& operator=(BagReader&&) = delete;
   virtual ~BagReader() = default;
 
   /// Goes once through all messages, in the order of the file, counts each, and shows those of a type that kilter
