@@ -18,24 +18,13 @@
 #include "kilter/io/octree_reader.h"
 #include "kilter/io/octree_writer.h"
 #include "kilter/occupancy/map_builder.h"
+#include "testing/octree_rows.h"
 
 namespace kilter {
 namespace {
 
-// x, y, z of the lowest cell, level, log-odds.
-using Row = std::tuple<int, int, int, int, float>;
-
-std::vector<Row> rows_of(const Expected<OccupancyCells>& known) {
-  std::vector<Row> rows;
-  if (!known) {
-    ADD_FAILURE() << to_string(known.error());
-    return rows;
-  }
-  for (const OccupancyCell& c : known->cells)
-    rows.emplace_back(c.index[0], c.index[1], c.index[2], c.level, c.log_odds);
-  std::sort(rows.begin(), rows.end());
-  return rows;
-}
+using kilter_testing::rows_of;
+using Row = kilter_testing::OctreeRow;
 
 template <typename Tree>
 std::vector<Row> rows_of(const Tree& tree) {

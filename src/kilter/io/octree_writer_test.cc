@@ -10,23 +10,13 @@
 #include "kilter/base/rng.h"
 #include "kilter/io/octree_reader.h"
 #include "testing/octree_bytes.h"
+#include "testing/octree_rows.h"
 
 namespace kilter {
 namespace {
 
-using Row = std::tuple<int, int, int, int, float>;
-
-std::vector<Row> rows_of(const Expected<OccupancyCells>& known) {
-  std::vector<Row> rows;
-  if (!known) {
-    ADD_FAILURE() << to_string(known.error());
-    return rows;
-  }
-  for (const OccupancyCell& c : known->cells)
-    rows.emplace_back(c.index[0], c.index[1], c.index[2], c.level, c.log_odds);
-  std::sort(rows.begin(), rows.end());
-  return rows;
-}
+using kilter_testing::rows_of;
+using Row = kilter_testing::OctreeRow;
 
 OccupancyCells scattered_cells(int count) {
   Rng rng(11, 0);
