@@ -7,6 +7,7 @@ The seeds are committed; run this after adding a variant. Same bytes every time.
 """
 import bz2
 import pathlib
+import sqlite3
 import struct
 import zlib
 
@@ -220,7 +221,30 @@ def mcap(messages, packing="", chunked=True, closed=True, encoding=b"cdr"):
     return data + channels + mcap_record(2, struct.pack("<QQI", len(data), 0, 0)) + magic
 
 
+def sqlite_bag(name, messages):
+    """A rosbag 2. Pages as small as can be; the bytes depend on SQLite's version, so an older file is kept."""
+    path = CORPUS / name
+    if path.exists():
+        return
+    path.parent.mkdir(parents=True, exist_ok=True)
+    bag = sqlite3.connect(path)
+    bag.execute("PRAGMA page_size = 512")
+    bag.execute("CREATE TABLE topics(id INTEGER PRIMARY KEY, name TEXT, type TEXT, serialization_format TEXT)")
+    bag.execute("CREATE TABLE messages(id INTEGER PRIMARY KEY, topic_id INTEGER, timestamp INTEGER, data BLOB)")
+    names = sorted({(topic, kind) for topic, kind, _ in messages})
+    number = {topic: i for i, (topic, _) in enumerate(names, 1)}
+    for topic, kind in names:
+        bag.execute("INSERT INTO topics VALUES (?, ?, ?, 'cdr')", (number[topic], topic, kind.replace("/", "/msg/")))
+    for i, (topic, _, data) in enumerate(messages):
+        bag.execute("INSERT INTO messages VALUES (?, ?, ?, ?)", (i, number[topic], 3000000000 + i, data))
+    bag.commit()
+    bag.close()
+
+
 def write_bags():
+    sqlite_bag("db3/odometry", drive("<", "odometry"))
+    sqlite_bag("db3/path", drive(">", "path"))
+    sqlite_bag("db3/empty", [])
     for order, word in ((None, "ros1"), ("<", "little"), (">", "big")):
         first = 8 if order else 0
         for kind, name, data in ((1, "cloud", ros_cloud(order)), (2, "odometry", ros_odometry(order)),
@@ -296,6 +320,9 @@ def main():
 
     write_bags()
 
+    write("config/keys", 'tolerance = 0.1\nalpha = 0.05\nregister = "always"\n')
+    write("config/sensor", "T_body_sensor = [0, 0, 0.5, 0, 0, 0, 1]\n")
+    write("config/sensors", '# by robot\n[T_body_sensor]\na = "1 0 0 0 0 0 1"\nb = [0, 0, 0, 0, 0, 0, 1]\n')
     write("cuts/two", '{"schema":"kilter.result/1","submaps":[{"robot":"a","first_scan":0,"last_scan":3},'
                       '{"robot":"a","first_scan":4,"last_scan":5}],"pairs":[{"target":"a/1"}]}')
     write("cuts/finished", '{"schema":"kilter.result/1","submaps":[{"robot":"a","first_scan":null,"last_scan":null}]}')

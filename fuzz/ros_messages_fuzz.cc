@@ -24,8 +24,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const std::string_view bytes = kilter_fuzz::text_of(data + 1, size - 1);
   const auto encoding = (data[0] & 8) != 0 ? kilter::MessageEncoding::kCdr : kilter::MessageEncoding::kRos1;
   const auto type = static_cast<RosType>(data[0] % 8 % 7);
-  if (const auto header = kilter::read_ros_header(bytes, encoding, "fuzz"); !header) {
-    kilter_fuzz::demand_printable(header.error());
+  if (const auto head = kilter::read_cloud_head(bytes, encoding, "fuzz"); !head) {
+    kilter_fuzz::demand_printable(head.error());
   }
   if (type == RosType::kPath || type == RosType::kTransforms) {
     const auto poses = kilter::read_ros_poses(bytes, type, encoding, "fuzz");

@@ -62,30 +62,33 @@ Expected<void> located(Expected<void> done, const std::string& file, const toml:
 
 }  // namespace
 
-Expected<void> apply_config_file(const std::filesystem::path& file, Settings& settings) {
-  const Expected<ByteBuffer> bytes = read_file(file, kMaxConfigBytes);
-  // A configuration that cannot be read is the command line's mistake, not the mission's.
-  if (!bytes) return fail(ErrorCode::kConfig, bytes.error().message, bytes.error().where);
-  const std::string name = shown(file);
-  const toml::parse_result parsed = toml::parse(bytes->view());
+Expected<void> apply_config_text(std::string_view text, const std::string& where, Settings& settings) {
+  const toml::parse_result parsed = toml::parse(text);
   if (!parsed) {
-    return fail(ErrorCode::kConfig, printable(parsed.error().description()), place(name, parsed.error().source()));
+    return fail(ErrorCode::kConfig, printable(parsed.error().description()), place(where, parsed.error().source()));
   }
   for (const auto& [key, node] : parsed.table()) {
     if (key.str() != kSensorKey) {
-      if (auto done = located(set_from_node(settings, key.str(), node), name, node); !done) return done;
+      if (auto done = located(set_from_node(settings, key.str(), node), where, node); !done) return done;
       continue;
     }
     const toml::table* by_robot = node.as_table();
     if (by_robot == nullptr) {
-      if (auto done = located(set_sensor(settings, "", node), name, node); !done) return done;
+      if (auto done = located(set_sensor(settings, "", node), where, node); !done) return done;
       continue;
     }
     for (const auto& [robot, pose] : *by_robot) {
-      if (auto done = located(set_sensor(settings, std::string(robot.str()), pose), name, pose); !done) return done;
+      if (auto done = located(set_sensor(settings, std::string(robot.str()), pose), where, pose); !done) return done;
     }
   }
   return {};
+}
+
+Expected<void> apply_config_file(const std::filesystem::path& file, Settings& settings) {
+  const Expected<ByteBuffer> bytes = read_file(file, kMaxConfigBytes);
+  // A configuration that cannot be read is the command line's mistake, not the mission's.
+  if (!bytes) return fail(ErrorCode::kConfig, bytes.error().message, bytes.error().where);
+  return apply_config_text(bytes->view(), shown(file), settings);
 }
 
 }  // namespace kilter::app

@@ -43,4 +43,7 @@ inline constexpr std::string_view kSensorKey = "T_body_sensor";
 /// a text, or a table of those by robot. \return kConfig, with file and line; also when the file cannot be read.
 [[nodiscard]] Expected<void> apply_config_file(const std::filesystem::path& file, Settings& settings);
 
+/// The same of a file's text. \param where  its name, for messages
+[[nodiscard]] Expected<void> apply_config_text(std::string_view text, const std::string& where, Settings& settings);
+
 }  // namespace kilter::app
