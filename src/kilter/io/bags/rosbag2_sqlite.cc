@@ -6,12 +6,15 @@
 #include <sqlite3.h>
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <map>
 #include <mutex>
 #include <system_error>
 
 #include "kilter/io/file.h"
-#include "kilter/io/open_file.h"
+#include "kilter/io/random_access_file.h"
+#include "kilter/io/scalar.h"
 
 namespace kilter {
 namespace {
@@ -214,11 +217,28 @@ void guard(sqlite3* database) {
   sqlite3_limit(database, SQLITE_LIMIT_ATTACHED, 0);
 }
 
+// SQLite fills up a last page that is cut short by zeros, and a cloud in it with points that nobody saw.
+Expected<void> check_pages(const RandomAccessFile& file) {
+  std::array<char, 18> head{};
+  if (file.size() < head.size()) return {};  // which SQLite calls no database, or an empty one
+  if (auto ok = file.read_at(0, head.data(), head.size()); !ok) return ok;
+  if (!std::string_view(head.data(), head.size()).starts_with("SQLite format 3")) return {};
+  // 65536 does not fit and is written as 1.
+  const auto said = load<std::uint16_t>(head.data() + 16, std::endian::big);
+  const std::uint64_t page_bytes = said == 1 ? 65536 : said;
+  if (page_bytes < 512 || file.size() % page_bytes == 0) return {};
+  return fail(
+      ErrorCode::kTruncated,
+      fmt::format("expected whole pages of {} bytes, found {} of the last one", page_bytes, file.size() % page_bytes),
+      at_byte(file.where(), file.size()),
+      "the recording was cut short; `sqlite3 BROKEN.db3 .recover | sqlite3 MENDED.db3` may save the rest");
+}
+
 }  // namespace
 
 Expected<std::unique_ptr<BagReader>> open_rosbag2_sqlite(const std::filesystem::path& path) {
   // Asked first, for a better answer than SQLite's; it opens folders and pipes too.
-  const auto file = open_regular_file(path);
+  const auto file = RandomAccessFile::open(path);
   if (!file) return pass_up(file.error());
   sqlite3* raw = nullptr;
   const int flags = SQLITE_OPEN_READONLY | SQLITE_OPEN_URI | SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_PRIVATECACHE;
@@ -228,7 +248,8 @@ Expected<std::unique_ptr<BagReader>> open_rosbag2_sqlite(const std::filesystem::
     return fail(ErrorCode::kIo, fmt::format("SQLite cannot open it: {}", sqlite3_errstr(status)), shown(path));
   }
   guard(database.get());
-  auto reader = std::make_unique<Rosbag2Sqlite>(std::move(database), file->size, shown(path));
+  if (auto whole = check_pages(*file); !whole) return pass_up(whole.error());
+  auto reader = std::make_unique<Rosbag2Sqlite>(std::move(database), file->size(), shown(path));
   std::error_code error;
   const std::filesystem::path log = path.native() + "-wal";
   if (const auto bytes = std::filesystem::file_size(log, error); !error && bytes > 0) {
