@@ -103,7 +103,12 @@ Expected<Result> run_job(const CheckCommand& command, const Job& job) {
   run.progress = [&progress](std::string_view stage, std::size_t done, std::size_t total) {
     progress.update(stage, done, total);
   };
-  return check(job.mission.robots, job.settings.check, job.cuts, run);
+  Expected<Result> result = check(job.mission.robots, job.settings.check, job.cuts, run);
+  // Cuts and scans contradict each other; the scans were counted without them.
+  if (!result && result.error().code == ErrorCode::kCountMismatch && result.error().where.empty() && command.cuts) {
+    result.error().where = printable(*command.cuts);
+  }
+  return result;
 }
 
 ConfigEcho config_echo(Job& job) {

@@ -77,7 +77,7 @@ Expected<std::size_t> scan_number(const json& submap, const char* key, const std
 Expected<void> append_range(std::vector<ScanRange>& ranges, ScanRange range, const std::string& where) {
   const std::size_t expected = ranges.empty() ? 0 : ranges.back().last + 1;
   if (range.first != expected || range.last < range.first) {
-    return fail(ErrorCode::kInvalidArgument,
+    return fail(ErrorCode::kParse,
                 fmt::format("scans {} to {}: expected a range that begins at scan {}, after the robot's one before",
                             range.first, range.last, expected),
                 where);

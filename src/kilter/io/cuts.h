@@ -20,8 +20,8 @@ using Cuts = std::map<std::string, std::vector<ScanRange>>;
 ///
 /// Only `schema` and `submaps` are looked at, and only they are held in memory.
 /// \param where  the file's name, for messages
-/// \return  the cuts; or kParse (not JSON, keys missing, of another type or too deep), kUnsupported (another schema;
-///          finished submaps, which have no scans), kInvalidArgument (ranges with gaps or overlaps), kEmptyInput.
+/// \return  the cuts; or kParse (not JSON, keys missing, of another type or too deep, ranges with gaps or overlaps),
+///          kUnsupported (another schema; finished submaps, which have no scans), kEmptyInput.
 [[nodiscard]] Expected<Cuts> parse_cuts(std::string_view json_text, const std::string& where);
 
 /// The same of a file, or of the result.json in an output folder. \return also what read_file fails with.

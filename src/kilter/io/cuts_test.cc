@@ -46,11 +46,11 @@ TEST(ParseCuts, RefusesRangesWithGapsOrOverlaps) {
   const auto two = [](const std::string& first, const std::string& last) {
     return result_of({submap("a", "0", "13"), submap("a", first, last)});
   };
-  expect_error(two("15", "20"), ErrorCode::kInvalidArgument,
+  expect_error(two("15", "20"), ErrorCode::kParse,
                "submaps[1]: scans 15 to 20: expected a range that begins at scan 14");
-  expect_error(two("13", "20"), ErrorCode::kInvalidArgument, "begins at scan 14");
-  expect_error(two("14", "13"), ErrorCode::kInvalidArgument, "scans 14 to 13");
-  expect_error(result_of({submap("a", "1", "2")}), ErrorCode::kInvalidArgument, "begins at scan 0");
+  expect_error(two("13", "20"), ErrorCode::kParse, "begins at scan 14");
+  expect_error(two("14", "13"), ErrorCode::kParse, "scans 14 to 13");
+  expect_error(result_of({submap("a", "1", "2")}), ErrorCode::kParse, "begins at scan 0");
 }
 
 TEST(ParseCuts, RefusesFinishedSubmaps) {
