@@ -46,6 +46,8 @@ std::optional<CloudPeek> peek_cloud_file(const std::filesystem::path& path) {
     if (const auto header = read_pcd_header(cursor, shown(path))) peek.points = header->points;
   } else if (format == CloudFormat::kPly) {
     if (const auto header = read_ply_header(cursor, shown(path))) peek.points = header->elements[header->vertex].rows;
+  } else if (format == CloudFormat::kLas) {
+    if (const auto points = read_las_count(head->view(), shown(path))) peek.points = *points;
   }
   return peek;
 }

@@ -77,9 +77,10 @@ Expected<void> check_format(const LasHeader& header, const std::string& where) {
 }
 
 // Version 1.4 has a count of 64 bits; the old one is then the same, or 0 where it could not hold it.
-Expected<std::uint64_t> count_points(std::string_view bytes, const LasHeader& header, const std::string& where) {
+// \pre the header of that version is there
+Expected<std::uint64_t> count_points(std::string_view bytes, unsigned minor, const std::string& where) {
   const std::uint64_t old_count = field<std::uint32_t>(bytes, 107);
-  if (header.minor < 4) return old_count;
+  if (minor < 4) return old_count;
   const auto count = field<std::uint64_t>(bytes, 247);
   if (old_count == 0 || old_count == count) return count;
   if (count == 0) return old_count;
@@ -109,7 +110,7 @@ Expected<LasHeader> read_header(std::string_view bytes, const std::string& where
                 fmt::format("points begin at byte {}, the file has {}", header.points_at, bytes.size()), where);
   }
   if (auto ok = check_format(header, where); !ok) return pass_up(ok.error());
-  const auto points = count_points(bytes, header, where);
+  const auto points = count_points(bytes, header.minor, where);
   if (!points) return pass_up(points.error());
   header.points = *points;
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -160,6 +161,13 @@ std::array<double, 3> point_at(const char* record, const LasHeader& header) {
 }
 
 }  // namespace
+
+Expected<std::uint64_t> read_las_count(std::string_view head, const std::string& where) {
+  if (auto ok = check_kind(head, where); !ok) return pass_up(ok.error());
+  const unsigned minor = field<std::uint8_t>(head, 25);
+  if (minor >= 4 && head.size() < kHeader14Bytes) return fail(ErrorCode::kTruncated, "the header is cut short", where);
+  return count_points(head, minor, where);
+}
 
 Expected<PointCloud> read_las(std::string_view bytes, const std::string& where) {
   const Expected<LasHeader> header = read_header(bytes, where);

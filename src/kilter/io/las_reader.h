@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <string_view>
 
@@ -22,5 +23,8 @@ namespace kilter {
 ///          kUnsupported (LAZ, another version or point format), kInvalidPoints: there are points and all lie too far
 ///          away, as in a georeferenced cloud.
 [[nodiscard]] Expected<PointCloud> read_las(std::string_view bytes, const std::string& where);
+
+/// How many points a LAS file promises. \param head  at least its header; \return besides, nothing is looked at behind.
+[[nodiscard]] Expected<std::uint64_t> read_las_count(std::string_view head, const std::string& where);
 
 }  // namespace kilter

@@ -40,6 +40,17 @@ void expect_error(const Expected<PointCloud>& cloud, ErrorCode code, const std::
 
 TEST(LasReader, ScalesAndShiftsWholeNumbers) { expect_points(read_las(LasBytes().str(), "f")); }
 
+TEST(LasReader, CountsPointsFromTheHeaderAlone) {
+  const std::string bytes = LasBytes().str();
+  EXPECT_EQ(read_las_count(bytes.substr(0, 227), "f"), 2U);
+  EXPECT_EQ(read_las_count(bytes.substr(0, 226), "f").error().code, ErrorCode::kTruncated);
+  const std::string newer = LasBytes::version_1_4().str();
+  EXPECT_EQ(read_las_count(newer.substr(0, 375), "f"), 2U);
+  EXPECT_EQ(read_las_count(newer.substr(0, 374), "f").error().code, ErrorCode::kTruncated);
+  const kilter_testing::TempFolder folder;
+  EXPECT_EQ(peek_cloud_file(folder.write("a.las", newer))->points, 2U);
+}
+
 TEST(LasReader, ReadsEveryVersionAndPointFormat) {
   for (const int minor : {0, 1, 2, 3}) {
     expect_points(read_with([&](LasBytes& l) { l.minor = static_cast<std::uint8_t>(minor); }));

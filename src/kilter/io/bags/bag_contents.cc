@@ -71,14 +71,14 @@ std::size_t Collector::index_in(Topics& topics, const PassingMessage& message, c
 void Collector::take_cloud(std::uint32_t file, const BagTopic& topic, const PassingMessage& message,
                            std::string_view bytes, const std::string& where) {
   CloudTopic& clouds = contents_.clouds[index_in(contents_.clouds, message, topic)];
-  auto header = read_ros_header(bytes, topic.encoding, where);
-  if (!header) return clouds.unusable.add(std::move(header.error()));
-  if (clouds.clouds.empty()) clouds.frame = header->frame;
-  if (clouds.frame != header->frame) {
+  auto head = read_cloud_head(bytes, topic.encoding, where);
+  if (!head) return clouds.unusable.add(std::move(head.error()));
+  if (clouds.clouds.empty()) clouds.frame = head->header.frame;
+  if (clouds.frame != head->header.frame) {
     ++clouds.other_frames;
     return;
   }
-  clouds.clouds.push_back({header->stamp_ns, message.log_ns, file, message.place});
+  clouds.clouds.push_back({head->header.stamp_ns, message.log_ns, file, message.place, head->points});
 }
 
 void Collector::add_pose(PoseTopic& topic, const RosPose& pose) {

@@ -25,6 +25,7 @@ struct CloudMessage {
   std::int64_t log_ns = 0;    ///< when it was recorded
   std::uint32_t file = 0;
   MessagePlace place;
+  std::uint64_t points = 0;  ///< as its head promises
 };
 
 /// Messages that could not be used, and why the first of them.

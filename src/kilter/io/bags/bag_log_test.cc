@@ -67,6 +67,7 @@ TEST(BagLog, ReadsTheSameFromEveryKindOfBag) {
       const auto points = log.read_cloud(i);
       ASSERT_TRUE(points) << to_string(points.error());
       EXPECT_EQ(points->points_m.at(0), Eigen::Vector3f(static_cast<float>(i), 2, 3));
+      EXPECT_EQ(log.peek_cloud(i)->points, points->points_m.size());
     }
   }
 }

@@ -64,12 +64,16 @@ RosHeader take_header(MessageCursor& cursor) {
   return header;
 }
 
-Expected<RosHeader> read_ros_header(std::string_view bytes, MessageEncoding encoding, const std::string& where) {
+Expected<CloudHead> read_cloud_head(std::string_view bytes, MessageEncoding encoding, const std::string& where) {
   Expected<MessageCursor> cursor = MessageCursor::open(bytes, encoding, where);
   if (!cursor) return pass_up(cursor.error());
-  RosHeader header = take_header(*cursor);
-  if (!cursor->ok()) return fail(ErrorCode::kTruncated, "the message ends inside its header", where);
-  return header;
+  CloudHead head;
+  head.header = take_header(*cursor);
+  const auto height = cursor->take<std::uint32_t>();
+  const auto width = cursor->take<std::uint32_t>();
+  if (!cursor->ok()) return refuse_short(RosType::kPointCloud2, where);
+  head.points = std::uint64_t{height} * width;
+  return head;
 }
 
 Expected<RosPose> read_ros_pose(std::string_view bytes, RosType type, MessageEncoding encoding,

@@ -27,13 +27,18 @@ struct RosPose {
   Pose3 T_frame_child;
 };
 
-/// Reads a message's header alone: what any of the types but kTransforms begins with.
+/// What a sensor_msgs/PointCloud2 begins with.
+struct CloudHead {
+  RosHeader header;
+  std::uint64_t points = 0;  ///< height times width; nobody has looked whether they are there
+};
+
+/// Reads a PointCloud2's beginning alone.
 ///
 /// Each of these takes a message as it lies in a bag, or as much of it as they need.
 /// \return  kTruncated (it ends inside a field), kUnsupported (not plain CDR); nothing is allocated that the bytes do
-/// not
-///          justify.
-[[nodiscard]] Expected<RosHeader> read_ros_header(std::string_view bytes, MessageEncoding encoding,
+///          not justify.
+[[nodiscard]] Expected<CloudHead> read_cloud_head(std::string_view bytes, MessageEncoding encoding,
                                                   const std::string& where);
 
 /// Reads one message with one pose: kOdometry, kPoseStamped or kPoseWithCovarianceStamped.

@@ -9,6 +9,7 @@
 
 #include "kilter/base/contract.h"
 #include "kilter/io/byte_cursor.h"
+#include "kilter/io/cloud_file.h"
 #include "kilter/io/file.h"
 #include "kilter/io/number_text.h"
 #include "kilter/io/pose_numbers.h"
@@ -41,6 +42,9 @@ std::optional<std::uint64_t> number_in_graph(std::string_view bytes, std::string
   return std::nullopt;
 }
 
+// Three floats, or four doubles of which the last is 1.
+std::size_t record_bytes(bool compact) { return compact ? 12 : 32; }
+
 struct PointsFile {
   fs::path path;
   bool compact = true;
@@ -61,6 +65,12 @@ void read_from_points_files(RobotLog& log, std::vector<PointsFile> points) {
     const auto bytes = read_file(file.path);
     if (!bytes) return pass_up(bytes.error());
     return read_glim_points(bytes->view(), file.compact, shown(file.path));
+  };
+  log.peek_cloud = [files](std::size_t i) {
+    KILTER_EXPECTS(i < files->size());
+    std::optional<CloudPeek> peek = peek_cloud_file((*files)[i].path);
+    if (peek) peek->points = peek->bytes / record_bytes((*files)[i].compact);
+    return peek;
   };
   log.cloud_name = [files](std::size_t i) {
     KILTER_EXPECTS(i < files->size());
@@ -112,19 +122,19 @@ Expected<GlimSubmap> parse_glim_submap(std::string_view bytes, const std::string
 Expected<PointCloud> read_glim_points(std::string_view bytes, bool compact, const std::string& where) {
   const ScalarType type = compact ? ScalarType::kFloat32 : ScalarType::kFloat64;
   const std::size_t number_bytes = compact ? 4 : 8;
-  const std::size_t record_bytes = compact ? 12 : 32;
+  const std::size_t point_bytes = record_bytes(compact);
   if (bytes.empty()) return fail(ErrorCode::kTruncated, "the file is empty", where);
-  if (bytes.size() % record_bytes != 0) {
+  if (bytes.size() % point_bytes != 0) {
     return fail(ErrorCode::kTruncated,
                 fmt::format("{} bytes are {} points of {} bytes and {} bytes more", bytes.size(),
-                            bytes.size() / record_bytes, record_bytes, bytes.size() % record_bytes),
+                            bytes.size() / point_bytes, point_bytes, bytes.size() % point_bytes),
                 where, "the dump was cut short, or was written by another version of GLIM");
   }
   PointCloud cloud;
   const auto column = [&](std::size_t i) {
-    return CoordinateColumn{bytes.data() + i * number_bytes, record_bytes, type};
+    return CoordinateColumn{bytes.data() + i * number_bytes, point_bytes, type};
   };
-  add_points(cloud, bytes.size() / record_bytes, {column(0), column(1), column(2)}, std::endian::little);
+  add_points(cloud, bytes.size() / point_bytes, {column(0), column(1), column(2)}, std::endian::little);
   return cloud;
 }
 

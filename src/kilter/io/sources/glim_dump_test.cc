@@ -57,6 +57,7 @@ TEST(GlimDump, ReadsSubmapsAsTheyAre) {
   EXPECT_EQ(describe(mission->sources[0]), "GLIM dump, 3 submaps, 1 robot");
   EXPECT_TRUE(log.finished_submaps);
   EXPECT_EQ(log.name, "dump");
+  EXPECT_EQ(log.peek_cloud(2)->points, 2U);
   EXPECT_EQ(log.stamps_ns, (std::vector<std::int64_t>{500'000'000, 100'500'000'000, 200'500'000'000}));
   EXPECT_EQ(log.clouds_found, 3U);
   EXPECT_EQ(log.poses_found, 3U);
