@@ -5,6 +5,7 @@
 import json
 import math
 import pathlib
+import shutil
 import struct
 import tempfile
 import unittest
@@ -77,6 +78,21 @@ class RegisterTest(unittest.TestCase):
         self.assertIn(f"element vertex {len(room())}".encode(), header)
         first = struct.unpack("<3d", body[:24])
         self.assertLess(math.dist(first, room()[0]), 0.05)
+
+    def test_takes_trees_too(self):
+        poses = "0 0 0 0 0 0 0 1\n"
+        for name in ("target", "source"):
+            scans = self.root / name / "scans"
+            scans.mkdir(parents=True)
+            shutil.copy(self.root / f"{name}.bin", scans / "000000.bin")
+            (scans.parent / "poses.tum").write_text(poses)
+        made = run_kilter("submaps", self.root / "target", self.root / "source", "-o", self.root / "trees")
+        self.assertEqual(made.status, 0, made.stderr)
+        trees = [self.root / "trees" / name / "submaps" / "000000.ot" for name in ("target", "source")]
+        done = run_kilter("register", *trees, "--json")
+        self.assertEqual(done.status, 0, done.stderr)
+        x, y, *_ = json.loads(done.stdout)["T_target_source"]
+        self.assertLess(math.dist((x, y), (1.8, -0.9)), 0.1)  # a cell: centres are all that a tree has
 
     def test_same_bytes_for_any_number_of_threads(self):
         self.assertEqual(self.register("--json", "--jobs", "1").stdout, self.register("--json", "--jobs", "2").stdout)

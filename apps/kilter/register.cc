@@ -18,6 +18,7 @@
 #include "apps/kilter/terminal.h"
 #include "kilter/io/cloud_file.h"
 #include "kilter/io/file.h"
+#include "kilter/io/octree_reader.h"
 #include "kilter/pipeline/register_clouds.h"
 #include "kilter/report/cloud_ply.h"
 #include "kilter/report/json_writer.h"
@@ -99,11 +100,19 @@ std::string as_text(const PairEvidence& pair) {
   return text;
 }
 
+// Of a tree the occupied cells' centres.
+Expected<PointCloud> read_points(const std::string& file) {
+  if (!has_octree_name(file)) return read_cloud_file(file);
+  const Expected<OccupancyCells> cells = read_octree_file(file);
+  if (!cells) return pass_up(cells.error());
+  return occupied_centres(*cells);
+}
+
 Expected<CloudPair> read_clouds(const RegisterCommand& command) {
   CloudPair clouds;
-  Expected<PointCloud> target = read_cloud_file(command.target);
+  Expected<PointCloud> target = read_points(command.target);
   if (!target) return pass_up(target.error());
-  Expected<PointCloud> source = read_cloud_file(command.source);
+  Expected<PointCloud> source = read_points(command.source);
   if (!source) return pass_up(source.error());
   clouds.target = *std::move(target);
   clouds.source = *std::move(source);
@@ -142,7 +151,7 @@ int run_register(const RegisterCommand& command) {
 void add_register_command(CLI::App& program, int& status) {
   const auto command = std::make_shared<RegisterCommand>();
   CLI::App* app = program.add_subcommand("register", "bring one cloud onto another: pose, covariance, observability");
-  app->add_option("TARGET", command->target, "a cloud: .bin, .pcd, .ply or .las")->required();
+  app->add_option("TARGET", command->target, "a cloud: .bin, .pcd, .ply or .las; or a tree: .ot or .bt")->required();
   app->add_option("SOURCE", command->source, "the cloud that is moved")->required();
   app->add_option("--init", command->init, "where to start, as T_target_source; the identity unless given")
       ->option_text("\"x y z qx qy qz qw\"");
