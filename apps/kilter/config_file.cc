@@ -2,6 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "apps/kilter/settings.h"
 
+#include <algorithm>
+#include <optional>
+
 #include <fmt/format.h>
 
 // NOLINTBEGIN(readability-identifier-naming,cppcoreguidelines-macro-usage): the library reads these names
@@ -10,6 +13,7 @@
 // NOLINTEND(readability-identifier-naming,cppcoreguidelines-macro-usage)
 #include <toml++/toml.h>
 
+#include "kilter/io/byte_cursor.h"
 #include "kilter/io/file.h"
 
 namespace kilter::app {
@@ -60,9 +64,24 @@ Expected<void> located(Expected<void> done, const std::string& file, const toml:
   return done;
 }
 
+// toml++ bounds nested values, but walks down a dotted key by calling itself: a.a.a.a... would end the stack.
+Expected<void> check_depth(std::string_view text, const std::string& where) {
+  constexpr std::ptrdiff_t kMostDots = 1000;
+  ByteCursor lines(text);
+  while (const std::optional<std::string_view> line = lines.take_line()) {
+    const std::string_view said = line->substr(0, line->find('#'));
+    if (const auto dots = std::count(said.begin(), said.end(), '.'); dots > kMostDots) {
+      return fail(ErrorCode::kConfig, fmt::format("expected at most {} dots in a line, found {}", kMostDots, dots),
+                  fmt::format("{}:{}", where, lines.line()));
+    }
+  }
+  return {};
+}
+
 }  // namespace
 
 Expected<void> apply_config_text(std::string_view text, const std::string& where, Settings& settings) {
+  if (auto shallow = check_depth(text, where); !shallow) return shallow;
   const toml::parse_result parsed = toml::parse(text);
   if (!parsed) {
     return fail(ErrorCode::kConfig, printable(parsed.error().description()), place(where, parsed.error().source()));
