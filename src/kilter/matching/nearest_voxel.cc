@@ -13,11 +13,8 @@
 namespace kilter {
 namespace {
 
-constexpr std::uint32_t kNoVoxel = std::numeric_limits<std::uint32_t>::max();
-
-// Four floats, as every 64-bit processor has them.
-constexpr std::uint32_t kLanes = 4;
-using Lanes = float __attribute__((vector_size(kLanes * sizeof(float))));
+using Lanes = FloatLanes;
+constexpr std::uint32_t kLanes = kFloatLanes;
 
 Lanes lanes_at(const std::vector<float>& values, std::uint32_t first) {
   Lanes lanes;
@@ -25,10 +22,12 @@ Lanes lanes_at(const std::vector<float>& values, std::uint32_t first) {
   return lanes;
 }
 
-// No nearer than this is a block to a point, squared; rounded down by more than floats can be wrong. [m^2]
-float least_square_m2(const Eigen::Array3f& point_m, const Eigen::Array3f& low_m, float edge_m) {
-  const Eigen::Array3f gap_m = (low_m - point_m).max(point_m - low_m - edge_m).max(0.0F);
-  return 0.999F * gap_m.matrix().squaredNorm();
+// How far outside an interval of the given length each of four is.
+Lanes gap_m(Lanes low_m, float at_m, float edge_m) {
+  const Lanes below = low_m - at_m;
+  const Lanes above = at_m - low_m - edge_m;
+  const Lanes gap = below > above ? below : above;
+  return gap > 0.0F ? gap : Lanes{};
 }
 
 }  // namespace
@@ -71,12 +70,6 @@ void NearestVoxelSearch::scan_block(const VoxelBlock& block, const Eigen::Vector
                                     std::uint32_t& best) const {
   const std::uint32_t first = block.first_voxel;
   const std::uint32_t end = first + block.voxel_count;
-  const auto square_of = [&](std::uint32_t i) {
-    const float dx = x_[i] - point.x();
-    const float dy = y_[i] - point.y();
-    const float dz = z_[i] - point.z();
-    return dx * dx + dy * dy + dz * dz;
-  };
   // The least square of the block four voxels at a time, in the same operations as one at a time: same bits.
   std::uint32_t i = first;
   float least2 = std::numeric_limits<float>::max();
@@ -91,10 +84,10 @@ void NearestVoxelSearch::scan_block(const VoxelBlock& block, const Eigen::Vector
     }
     for (std::uint32_t lane = 0; lane < kLanes; ++lane) least2 = std::min(least2, least[lane]);
   }
-  for (; i < end; ++i) least2 = std::min(least2, square_of(i));
+  for (; i < end; ++i) least2 = std::min(least2, square_m2(i, point));
   if (least2 > best2) return;
   for (i = first; i < end; ++i) {
-    if (square_of(i) != least2) continue;
+    if (square_m2(i, point) != least2) continue;
     if (least2 < best2 || i < best) {
       best2 = least2;
       best = i;
@@ -133,24 +126,41 @@ NearestVoxelCursor::Home& NearestVoxelCursor::home_at(const Eigen::Vector3i& blo
   return homes_[last_ - 1];
 }
 
-bool NearestVoxelCursor::has_near(Home& home, std::size_t k, float best2) const {
+bool NearestVoxelCursor::extend(Home& home, float best2) const {
+  const std::vector<NearestVoxelSearch::BlockOffset>& offsets = search_->offsets_;
+  if (home.looked_at == offsets.size() || offsets[home.looked_at].least_m2 > best2) return false;
+  constexpr float kOutOfReach_m = 1e18F;
   const VoxelMap& map = *search_->map_;
   const double edge_m = kBlockSize * map.resolution_m();
-  while (k >= home.near.size()) {
-    if (home.looked_at == search_->offsets_.size() || search_->offsets_[home.looked_at].least_m2 > best2) return false;
-    const NearestVoxelSearch::BlockOffset& candidate = search_->offsets_[home.looked_at++];
-    const Eigen::Vector3i at = home.at + candidate.offset;
+  const double least_m2 = offsets[home.looked_at].least_m2;
+  Group group;
+  const auto begin = [&] {
+    group = Group();
+    group.low_x_m = group.low_y_m = group.low_z_m = Lanes{} + kOutOfReach_m;
+    group.least_m2 = static_cast<float>(least_m2);
+  };
+  begin();
+  for (; home.looked_at < offsets.size() && offsets[home.looked_at].least_m2 == least_m2; ++home.looked_at) {
+    const Eigen::Vector3i at = home.at + offsets[home.looked_at].offset;
     const std::int32_t number = map.find_block(at);
     if (number == BlockIndex::kNone) continue;
     const VoxelBlock& block = map.blocks()[static_cast<std::size_t>(number)];
     if (block.voxel_count == 0) continue;
-    home.near.push_back(
-        {(at.cast<double>() * edge_m).cast<float>().array(), static_cast<float>(candidate.least_m2), &block});
+    const Eigen::Vector3f low_m = (at.cast<double>() * edge_m).cast<float>();
+    group.low_x_m[group.size] = low_m.x();
+    group.low_y_m[group.size] = low_m.y();
+    group.low_z_m[group.size] = low_m.z();
+    group.blocks[group.size] = &block;
+    if (++group.size < kLanes) continue;
+    home.groups.push_back(group);
+    begin();
   }
+  if (group.size > 0) home.groups.push_back(group);
   return true;
 }
 
-std::optional<NearestVoxel> NearestVoxelCursor::nearest(const Eigen::Vector3d& point_m, double limit_m) {
+std::optional<NearestVoxel> NearestVoxelCursor::nearest(const Eigen::Vector3d& point_m, double limit_m,
+                                                        std::uint32_t hint) {
   KILTER_EXPECTS(limit_m <= search_->max_distance_m_ * (1.0 + 1e-12));
   const VoxelMap& map = *search_->map_;
   // Half of a pair's points lie where the other has nothing at all. A voxel's points are within it, whichever stands.
@@ -162,11 +172,25 @@ std::optional<NearestVoxel> NearestVoxelCursor::nearest(const Eigen::Vector3d& p
   // A little slack so that rounding to float never hides a voxel at exactly the limit; checked in double below.
   float best2 = static_cast<float>(limit_m * limit_m * 1.0001 + 1e-12);
   std::uint32_t best = kNoVoxel;
-  for (std::size_t k = 0; has_near(home, k, best2); ++k) {
-    const NearBlock& candidate = home.near[k];
-    if (candidate.least_m2 > best2) break;
-    if (least_square_m2(point.array(), candidate.low_m, edge_m) > best2 + 1e-6F) continue;
-    search_->scan_block(*candidate.block, point, best2, best);
+  if (hint != kNoVoxel) {
+    if (const float square_m2 = search_->square_m2(hint, point); square_m2 <= best2) {
+      best2 = square_m2;
+      best = hint;
+    }
+  }
+  for (std::size_t k = 0;; ++k) {
+    while (k == home.groups.size() && extend(home, best2)) {
+    }
+    if (k == home.groups.size() || home.groups[k].least_m2 > best2) break;
+    const Group& group = home.groups[k];
+    const Lanes x_m = gap_m(group.low_x_m, point.x(), edge_m);
+    const Lanes y_m = gap_m(group.low_y_m, point.y(), edge_m);
+    const Lanes z_m = gap_m(group.low_z_m, point.z(), edge_m);
+    // Rounded down by more than floats can be wrong.
+    const Lanes least2 = 0.999F * (x_m * x_m + y_m * y_m + z_m * z_m);
+    for (std::uint32_t lane = 0; lane < group.size; ++lane) {
+      if (least2[lane] <= best2 + 1e-6F) search_->scan_block(*group.blocks[lane], point, best2, best);
+    }
   }
   if (best == kNoVoxel) return std::nullopt;
   const double distance_m = (voxel_position_m(map, best, search_->position_) - point_m).norm();

@@ -3,7 +3,9 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -19,6 +21,10 @@ enum class VoxelPosition {
 
 /// Position of occupied voxel i in the map's frame. [m]
 [[nodiscard]] Eigen::Vector3d voxel_position_m(const VoxelMap& map, std::size_t i, VoxelPosition position);
+
+/// As many floats as a register of every 64-bit processor holds.
+inline constexpr std::uint32_t kFloatLanes = 4;
+using FloatLanes = float __attribute__((vector_size(kFloatLanes * sizeof(float))));
 
 /// An occupied voxel and how far it is. [m]
 struct NearestVoxel {
@@ -47,6 +53,12 @@ class NearestVoxelSearch {
     double least_m2;  // no point of the query's block is nearer to that block
   };
 
+  [[nodiscard]] float square_m2(std::uint32_t voxel, const Eigen::Vector3f& point) const {
+    const float dx = x_[voxel] - point.x();
+    const float dy = y_[voxel] - point.y();
+    const float dz = z_[voxel] - point.z();
+    return dx * dx + dy * dy + dz * dz;
+  }
   void scan_block(const VoxelBlock& block, const Eigen::Vector3f& point, float& best2, std::uint32_t& best) const;
 
   const VoxelMap* map_;
@@ -64,27 +76,35 @@ class NearestVoxelCursor {
   /// The search must outlive it.
   explicit NearestVoxelCursor(const NearestVoxelSearch& search);
 
+  /// No hint.
+  static constexpr std::uint32_t kNoVoxel = std::numeric_limits<std::uint32_t>::max();
+
   /// \sa NearestVoxelSearch::nearest
-  [[nodiscard]] std::optional<NearestVoxel> nearest(const Eigen::Vector3d& point_m, double limit_m);
+  /// \param hint  a voxel that may be near, say what the point had under the last pose. It changes the time, never the
+  ///              answer.
+  [[nodiscard]] std::optional<NearestVoxel> nearest(const Eigen::Vector3d& point_m, double limit_m,
+                                                    std::uint32_t hint = kNoVoxel);
 
  private:
   static constexpr std::size_t kMostHomes = 1 << 13;
 
-  struct NearBlock {
-    Eigen::Array3f low_m;  // the block's lower corner
-    float least_m2;        // no point of the home block is nearer
-    const VoxelBlock* block;
+  // Four blocks that are looked at in one step; fewer at the end of a shell.
+  struct Group {
+    FloatLanes low_x_m, low_y_m, low_z_m;  // their lower corners; out of reach where there is no block
+    std::array<const VoxelBlock*, kFloatLanes> blocks{};
+    float least_m2 = 0.0F;  // no point of the home block is nearer to any of them
+    std::uint32_t size = 0;
   };
   // What lies around one block, sorted by least distance, as far as was needed yet.
   struct Home {
     Eigen::Vector3i at;
-    std::vector<NearBlock> near;
-    std::size_t looked_at = 0;  // offsets that `near` covers
+    std::vector<Group> groups;
+    std::size_t looked_at = 0;  // offsets that `groups` cover
   };
 
   Home& home_at(const Eigen::Vector3i& block);
-  // Whether home.near has an entry k, looking for it among blocks that can hold something nearer than best2.
-  bool has_near(Home& home, std::size_t k, float best2) const;
+  // Looks at all further blocks of one least distance. \return false when there are none, or none nearer than best2.
+  bool extend(Home& home, float best2) const;
 
   const NearestVoxelSearch* search_;
   std::vector<Home> homes_;

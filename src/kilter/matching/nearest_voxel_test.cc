@@ -53,6 +53,27 @@ TEST(NearestVoxelSearch, AgreesWithBruteForceForBothPositionsAndManyLimits) {
   }
 }
 
+TEST(NearestVoxelCursor, HintsAndMemoryChangeNoAnswer) {
+  const VoxelMap map = random_map(0.1, 3000, 4.0);
+  const NearestVoxelSearch search(map, VoxelPosition::kCentroid, 1.0);
+  NearestVoxelCursor cursor(search);
+  Rng rng(5, 2);
+  int found = 0;
+  for (int k = 0; k < 4000; ++k) {
+    const Eigen::Vector3d at(rng.uniform(-5, 5), rng.uniform(-5, 5), rng.uniform(-2, 2));
+    const double limit_m = rng.uniform(0.05, 1.0);
+    const auto hint = static_cast<std::uint32_t>(rng.uniform(0.0, 1.0) * static_cast<double>(map.voxels().size()));
+    const auto alone = search.nearest(at, limit_m);
+    const auto hinted = cursor.nearest(at, limit_m, hint);
+    ASSERT_EQ(alone.has_value(), hinted.has_value()) << at.transpose();
+    if (!alone) continue;
+    ++found;
+    ASSERT_EQ(alone->voxel, hinted->voxel) << at.transpose();
+    ASSERT_EQ(cursor.nearest(at, limit_m, alone->voxel)->voxel, alone->voxel);
+  }
+  EXPECT_GT(found, 500);
+}
+
 TEST(NearestVoxelSearch, TiesGoToTheLowerVoxelAndOnesOwnVoxelIsAtZero) {
   MapBuilder builder({.resolution_m = 0.25});  // a power of two, so that the tie is one in floating point too
   builder.insert_points(std::vector<Eigen::Vector3d>{{0.125, 0.125, 0.125}, {0.625, 0.125, 0.125}});

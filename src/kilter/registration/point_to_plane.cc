@@ -57,12 +57,18 @@ bool normals_agree(const Eigen::Vector3d& a, const Eigen::Vector3d& b, bool orie
   return (oriented ? cosine : std::abs(cosine)) >= kLeastAgreement;
 }
 
-// A pair under many poses: what one look found out about the blocks of a submap serves the next.
+// The voxel that each point of one submap had nearest, the last time that it was asked for.
+using LastNearest = std::vector<std::uint32_t>;
+
+// A pair under many poses: what one look found out about the blocks of a submap, and which voxels were near, serves the
+// next.
 struct Pair {
   const NearestVoxelSearch& source;
   const NearestVoxelSearch& target;
   NearestVoxelCursor in_source{source};
   NearestVoxelCursor in_target{target};
+  LastNearest of_source{LastNearest(source.map().voxels().size(), NearestVoxelCursor::kNoVoxel)};
+  LastNearest of_target{LastNearest(target.map().voxels().size(), NearestVoxelCursor::kNoVoxel)};
 
   [[nodiscard]] const VoxelMap& source_map() const { return source.map(); }
   [[nodiscard]] const VoxelMap& target_map() const { return target.map(); }
@@ -70,15 +76,16 @@ struct Pair {
 
 // Points of `from` against the planes of `onto`, in the frame of `onto`.
 void match_one_way(const VoxelMap& from, const VoxelMap& onto, NearestVoxelCursor& in_onto, const Pose3& T_onto_from,
-                   double search_m, std::size_t stride, std::vector<PlaneResidual>& residuals) {
+                   double search_m, std::size_t stride, LastNearest& last, std::vector<PlaneResidual>& residuals) {
   const SurfaceVoxels& points = from.voxels();
   const SurfaceVoxels& planes = onto.voxels();
   const bool oriented = from.has_free_space() && onto.has_free_space();
   const Eigen::Isometry3d T = T_onto_from.isometry();
   for (std::size_t i = 0; i < points.size(); i += stride) {
     const Eigen::Vector3d point_m = T * points.centroids_m[i].cast<double>();
-    const std::optional<NearestVoxel> nearest = in_onto.nearest(point_m, search_m);
+    const std::optional<NearestVoxel> nearest = in_onto.nearest(point_m, search_m, last[i]);
     if (!nearest) continue;
+    last[i] = nearest->voxel;
     const Eigen::Vector3d normal = planes.normals[nearest->voxel].cast<double>();
     if (normal.isZero()) continue;
     if (!normals_agree(T.linear() * points.normals[i].cast<double>(), normal, oriented)) continue;
@@ -98,10 +105,10 @@ std::vector<PlaneResidual> match_both_ways(Pair& pair, const Pose3& T_target_sou
                                            const Strides& strides) {
   std::vector<PlaneResidual> residuals;
   match_one_way(pair.source_map(), pair.target_map(), pair.in_target, T_target_source, search_m, strides.source,
-                residuals);
+                pair.of_source, residuals);
   const std::size_t forward = residuals.size();
   match_one_way(pair.target_map(), pair.source_map(), pair.in_source, T_target_source.inverse(), search_m,
-                strides.target, residuals);
+                strides.target, pair.of_target, residuals);
   const Eigen::Isometry3d T = T_target_source.isometry();
   for (std::size_t i = forward; i < residuals.size(); ++i) {
     residuals[i].point_m = T * residuals[i].point_m;
