@@ -105,6 +105,42 @@ tl::unexpected<Error> refuse_file(const fs::path& path) {
               shown(path), known_kinds());
 }
 
+// Programs leave a link `latest` beside the folder that it leads to; both would be one robot twice.
+bool leads_to_neighbour(const fs::path& entry) {
+  std::error_code error;
+  if (!fs::is_symlink(entry, error)) return false;
+  const fs::path target = fs::canonical(entry, error);
+  const fs::path folder = fs::canonical(entry.parent_path(), error);
+  return !error && target.parent_path() == folder;
+}
+
+// Robot folders among a folder's folders; if there are none, folders of any other kind.
+Expected<std::vector<fs::path>> robots_inside(const fs::path& folder) {
+  const auto names = list_folder(folder);
+  if (!names) return pass_up(names.error());
+  std::vector<fs::path> own;
+  std::vector<fs::path> other;
+  for (const std::string& name : *names) {
+    if (name.starts_with('.') || !is_folder(folder / name) || leads_to_neighbour(folder / name)) continue;
+    const SourceKind* kind = recognise(folder / name);
+    if (kind != nullptr) (kind->open == open_robot_folder ? own : other).push_back(folder / name);
+  }
+  return own.empty() ? other : own;
+}
+
+// Folders of robots among a folder's folders: what should have been named instead of it.
+std::vector<std::string> missions_inside(const fs::path& folder) {
+  constexpr std::size_t kMostLookedAt = 32;
+  std::vector<std::string> missions;
+  const auto names = list_folder(folder);
+  for (std::size_t i = 0; names && i < std::min(names->size(), kMostLookedAt); ++i) {
+    const fs::path inside = folder / (*names)[i];
+    if ((*names)[i].starts_with('.') || !is_folder(inside)) continue;
+    if (const auto robots = robots_inside(inside); robots && !robots->empty()) missions.push_back(shown(inside));
+  }
+  return missions;
+}
+
 // A folder of scans is named more often than the one above it that has the poses.
 tl::unexpected<Error> refuse_folder(const fs::path& path) {
   if (const auto clouds = list_clouds_of(path)) {
@@ -115,8 +151,9 @@ tl::unexpected<Error> refuse_folder(const fs::path& path) {
                 "put poses.txt there with lines `t x y z qx qy qz qw`, one for each cloud in order, or name the folder "
                 "above if the poses are there");
   }
+  const std::vector<std::string> missions = missions_inside(path);
   return fail(ErrorCode::kEmptyInput, "no robot: neither it nor a folder in it holds scans/ or submaps/", shown(path),
-              known_kinds());
+              missions.empty() ? known_kinds() : "one level further down there are robots, in " + some_of(missions));
 }
 
 Expected<void> check_topics(const FoundRobot& robot) {
@@ -144,29 +181,6 @@ Expected<std::vector<FoundRobot>> robots_of_named(const std::string& name, const
                 shown(path), known_kinds());
   }
   return std::vector<FoundRobot>{{name, path, kind, parts.topics}};
-}
-
-// Programs leave a link `latest` beside the folder that it leads to; both would be one robot twice.
-bool leads_to_neighbour(const fs::path& entry) {
-  std::error_code error;
-  if (!fs::is_symlink(entry, error)) return false;
-  const fs::path target = fs::canonical(entry, error);
-  const fs::path folder = fs::canonical(entry.parent_path(), error);
-  return !error && target.parent_path() == folder;
-}
-
-// Robot folders among a folder's folders; if there are none, folders of any other kind.
-Expected<std::vector<fs::path>> robots_inside(const fs::path& folder) {
-  const auto names = list_folder(folder);
-  if (!names) return pass_up(names.error());
-  std::vector<fs::path> own;
-  std::vector<fs::path> other;
-  for (const std::string& name : *names) {
-    if (name.starts_with('.') || !is_folder(folder / name) || leads_to_neighbour(folder / name)) continue;
-    const SourceKind* kind = recognise(folder / name);
-    if (kind != nullptr) (kind->open == open_robot_folder ? own : other).push_back(folder / name);
-  }
-  return own.empty() ? other : own;
 }
 
 Expected<std::vector<FoundRobot>> robots_of_path(const PathAndTopics& parts) {

@@ -140,6 +140,9 @@ TEST(OpenMission, SaysWhatASourceIsNot) {
   const TempFolder folder;
   const std::string path = folder.path().string();
   expect_error(open_mission({path}), ErrorCode::kEmptyInput, "no robot");
+  write_robot(folder, "day/mission/a", 1);
+  expect_error(open_mission({path + "/day"}), ErrorCode::kEmptyInput,
+               "further down there are robots, in " + path + "/day/mission");
   expect_error(open_mission({path + "/none"}), ErrorCode::kNotFound, "no such file or folder");
   expect_error(open_mission({"a=" + path + "/none"}), ErrorCode::kNotFound, "written ./a=");
   expect_error(open_mission({"a=" + path}), ErrorCode::kNotFound, "expected scans/ or submaps/");
