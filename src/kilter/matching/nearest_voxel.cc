@@ -16,12 +16,6 @@ namespace {
 using Lanes = FloatLanes;
 constexpr std::uint32_t kLanes = kFloatLanes;
 
-Lanes lanes_at(const std::vector<float>& values, std::uint32_t first) {
-  Lanes lanes;
-  std::memcpy(&lanes, values.data() + first, sizeof(lanes));
-  return lanes;
-}
-
 // How far outside an interval of the given length each of four is.
 Lanes gap_m(Lanes low_m, float at_m, float edge_m) {
   const Lanes below = low_m - at_m;
@@ -38,17 +32,17 @@ Eigen::Vector3d voxel_position_m(const VoxelMap& map, std::size_t i, VoxelPositi
 }
 
 NearestVoxelSearch::NearestVoxelSearch(const VoxelMap& map, VoxelPosition position, double max_distance_m)
-    : map_(&map), position_(position), max_distance_m_(max_distance_m) {
+    : map_(&map),
+      position_(position),
+      max_distance_m_(max_distance_m),
+      points_(map.voxels().size()),
+      scan_(scan_points_with(vector_paths().back())) {
   KILTER_EXPECTS(max_distance_m > 0.0);
-  const std::size_t count = map.voxels().size();
-  x_.resize(count);
-  y_.resize(count);
-  z_.resize(count);
-  for (std::size_t i = 0; i < count; ++i) {
+  for (std::size_t i = 0; i < map.voxels().size(); ++i) {
     const Eigen::Vector3f at = voxel_position_m(map, i, position).cast<float>();
-    x_[i] = at.x();
-    y_[i] = at.y();
-    z_[i] = at.z();
+    points_.x[i] = at.x();
+    points_.y[i] = at.y();
+    points_.z[i] = at.z();
   }
   const double edge_m = kBlockSize * map.resolution_m();
   const int reach = static_cast<int>(std::ceil(max_distance_m / edge_m));
@@ -64,36 +58,6 @@ NearestVoxelSearch::NearestVoxelSearch(const VoxelMap& map, VoxelPosition positi
   std::stable_sort(offsets_.begin(), offsets_.end(), [](const BlockOffset& a, const BlockOffset& b) {
     return std::tuple(a.least_m2, a.offset.squaredNorm()) < std::tuple(b.least_m2, b.offset.squaredNorm());
   });
-}
-
-void NearestVoxelSearch::scan_block(const VoxelBlock& block, const Eigen::Vector3f& point, float& best2,
-                                    std::uint32_t& best) const {
-  const std::uint32_t first = block.first_voxel;
-  const std::uint32_t end = first + block.voxel_count;
-  // The least square of the block four voxels at a time, in the same operations as one at a time: same bits.
-  std::uint32_t i = first;
-  float least2 = std::numeric_limits<float>::max();
-  if (block.voxel_count >= kLanes) {
-    Lanes least = Lanes{} + least2;
-    for (; i + kLanes <= end; i += kLanes) {
-      const Lanes dx = lanes_at(x_, i) - point.x();
-      const Lanes dy = lanes_at(y_, i) - point.y();
-      const Lanes dz = lanes_at(z_, i) - point.z();
-      const Lanes d2 = dx * dx + dy * dy + dz * dz;
-      least = d2 < least ? d2 : least;
-    }
-    for (std::uint32_t lane = 0; lane < kLanes; ++lane) least2 = std::min(least2, least[lane]);
-  }
-  for (; i < end; ++i) least2 = std::min(least2, square_m2(i, point));
-  if (least2 > best2) return;
-  for (i = first; i < end; ++i) {
-    if (square_m2(i, point) != least2) continue;
-    if (least2 < best2 || i < best) {
-      best2 = least2;
-      best = i;
-    }
-    return;
-  }
 }
 
 std::optional<NearestVoxel> NearestVoxelSearch::nearest(const Eigen::Vector3d& point_m, double limit_m) const {
@@ -170,18 +134,16 @@ std::optional<NearestVoxel> NearestVoxelCursor::nearest(const Eigen::Vector3d& p
   Home& home = home_at(block_of(voxel_at(point_m, map.resolution_m())));
   const Eigen::Vector3f point = point_m.cast<float>();
   // A little slack so that rounding to float never hides a voxel at exactly the limit; checked in double below.
-  float best2 = static_cast<float>(limit_m * limit_m * 1.0001 + 1e-12);
-  std::uint32_t best = kNoVoxel;
+  NearestPoint best{static_cast<float>(limit_m * limit_m * 1.0001 + 1e-12), kNoVoxel};
   if (hint != kNoVoxel) {
-    if (const float square_m2 = search_->square_m2(hint, point); square_m2 <= best2) {
-      best2 = square_m2;
-      best = hint;
+    if (const float square_m2 = search_->square_m2(hint, point); square_m2 <= best.square_m2) {
+      best = {square_m2, hint};
     }
   }
   for (std::size_t k = 0;; ++k) {
-    while (k == home.groups.size() && extend(home, best2)) {
+    while (k == home.groups.size() && extend(home, best.square_m2)) {
     }
-    if (k == home.groups.size() || home.groups[k].least_m2 > best2) break;
+    if (k == home.groups.size() || home.groups[k].least_m2 > best.square_m2) break;
     const Group& group = home.groups[k];
     const Lanes x_m = gap_m(group.low_x_m, point.x(), edge_m);
     const Lanes y_m = gap_m(group.low_y_m, point.y(), edge_m);
@@ -189,13 +151,15 @@ std::optional<NearestVoxel> NearestVoxelCursor::nearest(const Eigen::Vector3d& p
     // Rounded down by more than floats can be wrong.
     const Lanes least2 = 0.999F * (x_m * x_m + y_m * y_m + z_m * z_m);
     for (std::uint32_t lane = 0; lane < group.size; ++lane) {
-      if (least2[lane] <= best2 + 1e-6F) search_->scan_block(*group.blocks[lane], point, best2, best);
+      if (least2[lane] > best.square_m2 + 1e-6F) continue;
+      const VoxelBlock& block = *group.blocks[lane];
+      search_->scan_(search_->points_, block.first_voxel, block.first_voxel + block.voxel_count, point.data(), best);
     }
   }
-  if (best == kNoVoxel) return std::nullopt;
-  const double distance_m = (voxel_position_m(map, best, search_->position_) - point_m).norm();
+  if (best.index == kNoVoxel) return std::nullopt;
+  const double distance_m = (voxel_position_m(map, best.index, search_->position_) - point_m).norm();
   if (distance_m > limit_m) return std::nullopt;
-  return NearestVoxel{best, distance_m};
+  return NearestVoxel{best.index, distance_m};
 }
 
 }  // namespace kilter

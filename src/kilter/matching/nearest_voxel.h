@@ -9,6 +9,7 @@
 #include <optional>
 #include <vector>
 
+#include "kilter/matching/scan_points.h"
 #include "kilter/occupancy/voxel_map.h"
 
 namespace kilter {
@@ -54,17 +55,17 @@ class NearestVoxelSearch {
   };
 
   [[nodiscard]] float square_m2(std::uint32_t voxel, const Eigen::Vector3f& point) const {
-    const float dx = x_[voxel] - point.x();
-    const float dy = y_[voxel] - point.y();
-    const float dz = z_[voxel] - point.z();
+    const float dx = points_.x[voxel] - point.x();
+    const float dy = points_.y[voxel] - point.y();
+    const float dz = points_.z[voxel] - point.z();
     return dx * dx + dy * dy + dz * dz;
   }
-  void scan_block(const VoxelBlock& block, const Eigen::Vector3f& point, float& best2, std::uint32_t& best) const;
 
   const VoxelMap* map_;
   VoxelPosition position_;
   double max_distance_m_;
-  std::vector<float> x_, y_, z_;      // positions in voxel order
+  PointColumns points_;  // positions in voxel order
+  ScanPoints scan_;
   std::vector<BlockOffset> offsets_;  // sorted by least distance
 };
 
