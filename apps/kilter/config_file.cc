@@ -10,6 +10,8 @@
 // NOLINTBEGIN(readability-identifier-naming,cppcoreguidelines-macro-usage): the library reads these names
 #define TOML_EXCEPTIONS 0
 #define TOML_ENABLE_FORMATTERS 0
+// Its parser asserts what it answers with an error a line later, and would stop on a mistyped list.
+#define TOML_ASSERT(condition) static_cast<void>(0)
 // NOLINTEND(readability-identifier-naming,cppcoreguidelines-macro-usage)
 #include <toml++/toml.h>
 
@@ -64,15 +66,20 @@ Expected<void> located(Expected<void> done, const std::string& file, const toml:
   return done;
 }
 
-// toml++ bounds nested values, but walks down a dotted key by calling itself: a.a.a.a... would end the stack.
-Expected<void> check_depth(std::string_view text, const std::string& where) {
+// What toml++ has no answer to: it walks down a dotted key by calling itself, so that a.a.a.a... would end the stack,
+// and looks some characters beyond ASCII up in a table that does not have them.
+Expected<void> check_text(std::string_view text, const std::string& where) {
   constexpr std::ptrdiff_t kMostDots = 1000;
-  ByteCursor lines(text);
+  ByteCursor lines(without_byte_order_mark(text));
   while (const std::optional<std::string_view> line = lines.take_line()) {
     const std::string_view said = line->substr(0, line->find('#'));
+    const std::string at = fmt::format("{}:{}", where, lines.line());
     if (const auto dots = std::count(said.begin(), said.end(), '.'); dots > kMostDots) {
-      return fail(ErrorCode::kConfig, fmt::format("expected at most {} dots in a line, found {}", kMostDots, dots),
-                  fmt::format("{}:{}", where, lines.line()));
+      return fail(ErrorCode::kConfig, fmt::format("expected at most {} dots in a line, found {}", kMostDots, dots), at);
+    }
+    if (std::any_of(said.begin(), said.end(), [](char c) { return static_cast<unsigned char>(c) > 0x7F; })) {
+      return fail(ErrorCode::kConfig, "expected ASCII in front of comments, found other characters", at,
+                  "a robot of such a name is told by --set \"T_body_sensor.NAME=x y z qx qy qz qw\"");
     }
   }
   return {};
@@ -81,7 +88,7 @@ Expected<void> check_depth(std::string_view text, const std::string& where) {
 }  // namespace
 
 Expected<void> apply_config_text(std::string_view text, const std::string& where, Settings& settings) {
-  if (auto shallow = check_depth(text, where); !shallow) return shallow;
+  if (auto fit = check_text(text, where); !fit) return fit;
   const toml::parse_result parsed = toml::parse(text);
   if (!parsed) {
     return fail(ErrorCode::kConfig, printable(parsed.error().description()), place(where, parsed.error().source()));
