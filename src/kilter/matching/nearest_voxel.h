@@ -91,7 +91,7 @@ class NearestVoxelCursor {
 
   // Four blocks that are looked at in one step; fewer at the end of a shell.
   struct Group {
-    FloatLanes low_x_m, low_y_m, low_z_m;  // their lower corners; out of reach where there is no block
+    FloatLanes low_x_m{}, low_y_m{}, low_z_m{};  // their lower corners; out of reach where there is no block
     std::array<const VoxelBlock*, kFloatLanes> blocks{};
     float least_m2 = 0.0F;  // no point of the home block is nearer to any of them
     std::uint32_t size = 0;

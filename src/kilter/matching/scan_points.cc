@@ -58,7 +58,7 @@ template <std::uint32_t kLanes>
     least = is_less ? at : least;  // of equal ones the first of each lane stays
     at += static_cast<std::int32_t>(kLanes);
   }
-  std::array<float, kLanes> squares;
+  std::array<float, kLanes> squares{};
   std::memcpy(squares.data(), &least2, sizeof(least2));
   std::array<float, kLanes> halves = squares;
   for (std::uint32_t half = kLanes / 2; half > 0; half /= 2) {
@@ -103,8 +103,8 @@ std::vector<VectorPath> paths_of_processor() {
 }  // namespace
 
 std::span<const VectorPath> vector_paths() {
-  static const std::vector<VectorPath> paths = paths_of_processor();
-  return paths;
+  static const std::vector<VectorPath> kPaths = paths_of_processor();
+  return kPaths;
 }
 
 ScanPoints scan_points_with(VectorPath path) {
