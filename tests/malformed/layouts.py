@@ -20,15 +20,21 @@ NO_MATRICES = {"word": GOOD.replace("2", "two", 1), "nan": GOOD.replace("3", "na
                "nothing": ""}
 
 
+def two_folders(text_name: str, texts: tuple[str, str], cloud_name: str, clouds: tuple[bytes | None, bytes | None]) -> dict[str, bytes]:
+    """000000/ and 000001/, each with a text and a cloud, or without the cloud."""
+    files = {}
+    for i in range(2):
+        files[f"{i:06}/{text_name}"] = texts[i].encode()
+        cloud = clouds[i]
+        if cloud is not None:
+            files[f"{i:06}/{cloud_name}"] = cloud
+    return files
+
+
 def glim(text: str | None = None, points: bytes | None = LITTLE, graph: str = "num_submaps: 2\nnum_all_frames: 2\n") -> dict[str, bytes]:
     good = f"gid: 0\nT_world_origin: \n{GOOD}num_frames: 1\nframe_0\nid: 0\nstamp: 12.5\n"
-    files = {"graph.txt": graph.encode()}
-    for i in range(2):
-        files[f"{i:06}/data.txt"] = (good if text is None or i == 0 else text).encode()
-        cloud = points if i == 1 else LITTLE
-        if cloud is not None:
-            files[f"{i:06}/points_compact.bin"] = cloud
-    return files
+    second = good if text is None else text
+    return {"graph.txt": graph.encode()} | two_folders("data.txt", (good, second), "points_compact.bin", (LITTLE, points))
 
 
 def glim_cases() -> Iterator[Case]:
@@ -45,13 +51,7 @@ def glim_cases() -> Iterator[Case]:
 
 def hdl(text: str | None = None, cloud: bytes | None = CLOUD) -> dict[str, bytes]:
     good = f"stamp 1503043136 87654\nestimate\n{GOOD}odom\n{GOOD}accum_distance 3.5\nid 4\n"
-    files = {}
-    for i in range(2):
-        files[f"{i:06}/data"] = (good if text is None or i == 0 else text).encode()
-        content = cloud if i == 1 else CLOUD
-        if content is not None:
-            files[f"{i:06}/cloud.pcd"] = content
-    return files
+    return two_folders("data", (good, good if text is None else text), "cloud.pcd", (CLOUD, cloud))
 
 
 def hdl_cases() -> Iterator[Case]:
@@ -65,11 +65,12 @@ def hdl_cases() -> Iterator[Case]:
     yield Case("hdl", "only_odometry", hdl(f"stamp 1 2\nodom\n{GOOD}id 5\n"), tolerated=True)
 
 
-def kiss(graph: str | None = None, cloud: bytes = b"") -> dict[str, bytes]:
+MAP = seeds.ply("binary_little_endian", LITTLE[:24])
+
+
+def kiss(graph: str | None = None, cloud: bytes = MAP) -> dict[str, bytes]:
     good = "".join(f"VERTEX_SE3:QUAT {i} {i} 0 0 0 0 0 1\n" for i in range(3))
-    cloud = cloud or seeds.ply("binary_little_endian", LITTLE[:24])
-    good_cloud = seeds.ply("binary_little_endian", LITTLE[:24])
-    return {"local_maps/local_map_graph.g2o": (good if graph is None else graph).encode(), "local_maps/plys/000000.ply": good_cloud,
+    return {"local_maps/local_map_graph.g2o": (good if graph is None else graph).encode(), "local_maps/plys/000000.ply": MAP,
             "local_maps/plys/000001.ply": cloud}
 
 
@@ -78,8 +79,7 @@ def kiss_cases() -> Iterator[Case]:
     for name, graph in {"empty": "", "no_vertex": "FIX 0\n", "word": vertex + "VERTEX_SE3:QUAT 1 a 0 0 0 0 0 1\n",
                         "quaternion": vertex + "VERTEX_SE3:QUAT 1 0 0 0 0 0 0 0\n", "cut": vertex + "VERTEX_SE3:QUAT 1 0 0"}.items():
         yield Case("kiss", f"graph_{name}", kiss(graph))
-    good = seeds.ply("binary_little_endian", LITTLE[:24])
-    for name, cloud in {"cut": good[:-1], "header_only": good[:40], "text": b"no cloud"}.items():
+    for name, cloud in {"cut": MAP[:-1], "header_only": MAP[:40], "text": b"no cloud"}.items():
         yield Case("kiss", f"map_{name}", kiss(cloud=cloud))
     yield Case("kiss", "a_vertex_more", kiss(), tolerated=True)
     yield Case("kiss", "a_vertex_less", kiss(vertex), tolerated=True)  # that map is left out and counted

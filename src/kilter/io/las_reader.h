@@ -24,7 +24,9 @@ namespace kilter {
 ///          away, as in a georeferenced cloud.
 [[nodiscard]] Expected<PointCloud> read_las(std::string_view bytes, const std::string& where);
 
-/// How many points a LAS file promises. \param head  at least its header; \return besides, nothing is looked at behind.
+/// How many points a LAS file promises.
+/// \param head  the file's beginning, at least its whole header
+/// \return  as read_las, for what the header alone can tell
 [[nodiscard]] Expected<std::uint64_t> read_las_count(std::string_view head, const std::string& where);
 
 }  // namespace kilter

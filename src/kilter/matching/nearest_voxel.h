@@ -64,7 +64,7 @@ class NearestVoxelSearch {
   const VoxelMap* map_;
   VoxelPosition position_;
   double max_distance_m_;
-  PointColumns points_;  // positions in voxel order
+  PackedPoints points_;  // positions in voxel order
   ScanPoints scan_;
   std::vector<BlockOffset> offsets_;  // sorted by least distance
 };

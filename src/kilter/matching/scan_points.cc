@@ -31,7 +31,7 @@ struct Register<16> {
 
 // Written once for any number of lanes; each caller's target decides which registers they become.
 template <std::uint32_t kLanes>
-[[gnu::always_inline]] inline void scan(const PointColumns& points, std::uint32_t first, std::uint32_t end,
+[[gnu::always_inline]] inline void scan(const PackedPoints& points, std::uint32_t first, std::uint32_t end,
                                         const float* point, NearestPoint& best) {
   using Lanes = typename Register<kLanes>::Floats;
   using IntLanes = typename Register<kLanes>::Ints;
@@ -74,18 +74,18 @@ template <std::uint32_t kLanes>
   best = {halves[0], index};
 }
 
-void scan_baseline(const PointColumns& points, std::uint32_t first, std::uint32_t end, const float* point,
+void scan_baseline(const PackedPoints& points, std::uint32_t first, std::uint32_t end, const float* point,
                    NearestPoint& best) {
   scan<4>(points, first, end, point, best);
 }
 
 #if defined(__x86_64__)
-[[gnu::target("avx2")]] void scan_avx2(const PointColumns& points, std::uint32_t first, std::uint32_t end,
+[[gnu::target("avx2")]] void scan_avx2(const PackedPoints& points, std::uint32_t first, std::uint32_t end,
                                        const float* point, NearestPoint& best) {
   scan<8>(points, first, end, point, best);
 }
 
-[[gnu::target("avx512f")]] void scan_avx512(const PointColumns& points, std::uint32_t first, std::uint32_t end,
+[[gnu::target("avx512f")]] void scan_avx512(const PackedPoints& points, std::uint32_t first, std::uint32_t end,
                                             const float* point, NearestPoint& best) {
   scan<16>(points, first, end, point, best);
 }

@@ -10,13 +10,13 @@
 namespace kilter {
 
 /// Points as three columns, with room behind the last one so that whole registers can be read from any of them.
-class PointColumns {
+class PackedPoints {
  public:
   static constexpr std::size_t kRoom = 16;  // lanes of the widest register
   static constexpr float kNowhere = 1e18F;  // what stands there: its square is finite and beyond any limit
 
-  PointColumns() = default;
-  explicit PointColumns(std::size_t count)
+  PackedPoints() = default;
+  explicit PackedPoints(std::size_t count)
       : x(count + kRoom, kNowhere), y(count + kRoom, kNowhere), z(count + kRoom, kNowhere) {}
 
   std::vector<float> x, y, z;
@@ -35,9 +35,9 @@ enum class VectorPath {
   kAvx512,    ///< sixteen
 };
 
-/// Looks through points [first, end) for one nearer to `point` than `best`, or as near with a lower number. It may look
-/// at up to kRoom - 1 points behind `end` too, so `end` must not stand for anything but where looking may end.
-using ScanPoints = void (*)(const PointColumns& points, std::uint32_t first, std::uint32_t end, const float* point,
+/// Looks through points [first, end) for one nearer to `point` than `best`, or as near with a lower number. Points
+/// up to kRoom - 1 places behind `end` may be found too: whole registers are read.
+using ScanPoints = void (*)(const PackedPoints& points, std::uint32_t first, std::uint32_t end, const float* point,
                             NearestPoint& best);
 
 /// The paths that this processor has, the widest last.

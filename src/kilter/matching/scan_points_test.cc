@@ -15,8 +15,8 @@ namespace {
 constexpr std::uint32_t kNoPoint = std::numeric_limits<std::uint32_t>::max();
 
 // Points on a coarse lattice, so that many are equally near.
-PointColumns lattice_points(std::size_t count, std::uint64_t seed) {
-  PointColumns points(count);
+PackedPoints lattice_points(std::size_t count, std::uint64_t seed) {
+  PackedPoints points(count);
   Rng rng(seed, 0);
   for (std::size_t i = 0; i < count; ++i) {
     points.x[i] = static_cast<float>(rng.bits() % 5);
@@ -27,7 +27,7 @@ PointColumns lattice_points(std::size_t count, std::uint64_t seed) {
 }
 
 // The definition, one point at a time.
-NearestPoint first_nearest(const PointColumns& points, std::uint32_t first, std::uint32_t end,
+NearestPoint first_nearest(const PackedPoints& points, std::uint32_t first, std::uint32_t end,
                            const std::array<float, 3>& at, NearestPoint best) {
   for (std::uint32_t i = first; i < end; ++i) {
     const float dx = points.x[i] - at[0];
@@ -43,7 +43,7 @@ TEST(ScanPoints, EveryPathFindsTheFirstOfTheNearest) {
   for (const VectorPath path : vector_paths()) {
     const ScanPoints scan = scan_points_with(path);
     for (const std::size_t count : {1U, 3U, 4U, 7U, 16U, 17U, 64U, 131U}) {
-      const PointColumns points = lattice_points(count, count);
+      const PackedPoints points = lattice_points(count, count);
       Rng rng(9, count);
       for (int k = 0; k < 300; ++k) {
         const std::array<float, 3> at = {static_cast<float>(rng.bits() % 10) / 2,
@@ -63,7 +63,7 @@ TEST(ScanPoints, EveryPathFindsTheFirstOfTheNearest) {
 }
 
 TEST(ScanPoints, KeepsWhatIsNearerOrAsNearAndEarlier) {
-  const PointColumns points = lattice_points(40, 1);
+  const PackedPoints points = lattice_points(40, 1);
   const std::array<float, 3> at = {points.x[30], points.y[30], points.z[30]};
   for (const VectorPath path : vector_paths()) {
     NearestPoint best{0.0F, 0};
@@ -76,7 +76,7 @@ TEST(ScanPoints, KeepsWhatIsNearerOrAsNearAndEarlier) {
 }
 
 TEST(ScanPoints, RoomBehindTheLastPointIsNeverNear) {
-  PointColumns points(1);
+  PackedPoints points(1);
   points.x[0] = points.y[0] = points.z[0] = 100.0F;
   const std::array<float, 3> at = {0.0F, 0.0F, 0.0F};
   for (const VectorPath path : vector_paths()) {
