@@ -43,7 +43,10 @@ class Viewer(unittest.TestCase):
         shutil.rmtree(cls.shots, ignore_errors=True)
 
     def check(self, mission, name):
-        run = run_kilter("check", mission, "-o", self.folder / name, "--fail-on", "never", timeout_s=300)
+        return self.check_all([mission], name)
+
+    def check_all(self, sources, name):
+        run = run_kilter("check", *sources, "-o", self.folder / name, "--fail-on", "never", timeout_s=300)
         self.assertEqual(run.status, 0, run.stderr)
         return self.folder / name / "report.html"
 
@@ -62,12 +65,18 @@ class Viewer(unittest.TestCase):
                 shutil.move(tiny.mission / robot, tiny.mission / name)
             return self.check(tiny.mission, "hostile")
 
+    def fleet(self):
+        """A report of eight robots, four that went each way of the tiny mission."""
+        with TinyMission() as tiny:
+            robots = [f"{way}{n}={tiny.mission / way}" for n in range(4) for way in "ab"]
+            return self.check_all(robots, "fleet")
+
     def test_the_report_does_what_it_shows(self):
         report = self.simulated()
         if b"built without its viewer" in report.read_bytes():
             self.skipTest("kilter was built without its viewer")
         script = SOURCE_DIR / "viewer/test/report_test.mjs"
-        done = subprocess.run(["node", script, report, self.hostile(), self.shots], capture_output=True, text=True,
+        done = subprocess.run(["node", script, report, self.hostile(), self.fleet(), self.shots], capture_output=True, text=True,
                               timeout=540, check=False)
         lines = [json.loads(line) for line in done.stdout.splitlines()]
         self.assertEqual(done.returncode, 0, done.stderr)

@@ -12,6 +12,8 @@ const kKinds: [Kind, string][] = [
 ];
 const kVerdicts: Verdict[] = ["consistent", "inconsistent", "unverified"];
 
+const kNamedAtMost = 6;  // robots, or meetings of two, that are named one by one
+
 const kHeadline = {
   consistent: ["✓", "Consistent", "this map agrees with itself"],
   inconsistent: ["✗", "Inconsistent", "this map contradicts itself"],
@@ -38,7 +40,15 @@ function decided(result: Result): string {
   };
   add("one after the other", sequential);
   add("same robot again", local);
-  for (const [robots, share] of Object.entries(global)) add(robots.replace(",", " with "), share);
+  const meetings = Object.entries(global).flatMap(([robots, share]) => (share === null ? [] : [{ robots, share }]));
+  if (meetings.length <= kNamedAtMost) {
+    for (const { robots, share } of meetings) add(robots.replace(",", " with "), share);
+  } else {
+    const byShare = meetings.sort((a, b) => a.share - b.share);
+    const [least, most] = [byShare[0]!, byShare[byShare.length - 1]!].map(({ robots, share }) =>
+      `${Math.round(100 * share)} % (${robots.replace(",", " with ")})`);
+    shares.push(`two robots, ${meetings.length} times, ${least} to ${most}`);
+  }
   return shares.length === 0 ? "" : `Of what overlaps was decided: ${shares.join(", ")}.`;
 }
 
@@ -55,12 +65,21 @@ function counts(result: Result): HTMLElement {
   return element("table", { class: "counts" }, head, ...rows);
 }
 
+function robots(result: Result): string {
+  if (result.robots.length <= kNamedAtMost) {
+    const each = result.robots.map((robot) => `${robot.name} (${robot.submaps} pieces, ${Math.round(robot.path_length_m)} m)`);
+    return `Robots: ${each.join(", ")}.`;
+  }
+  const submaps = result.robots.reduce((sum, robot) => sum + robot.submaps, 0);
+  const path_m = result.robots.reduce((sum, robot) => sum + robot.path_length_m, 0);
+  return `${result.robots.length} robots, ${submaps} pieces, ${Math.round(path_m)} m.`;
+}
+
 const sentence = (text: string): string => text.charAt(0).toUpperCase() + text.slice(1);
 
 export function showVerdict(result: Result): void {
   const [sign, word, meaning] = kHeadline[result.system.verdict];
   const tolerance = Number(result.config["tolerance"]);
-  const robots = result.robots.map((robot) => `${robot.name} (${robot.submaps} pieces, ${Math.round(robot.path_length_m)} m)`);
   const left = result.system.too_little_overlap;
   byId("verdict").className = result.system.verdict;
   byId("verdict").replaceChildren(
@@ -70,7 +89,7 @@ export function showVerdict(result: Result): void {
       { class: "why" },
       element("p", {}, element("b", {}, `${sentence(result.system.reason)}.`), ` What you can live with: ${centimetres(tolerance)}.`),
       element("p", {}, certificate(result)),
-      element("p", { class: "quiet" }, `${decided(result)} Robots: ${robots.join(", ")}.${left > 0 ? ` ${left} more pairs overlap too little to be tested.` : ""}`),
+      element("p", { class: "quiet" }, `${decided(result)} ${robots(result)}${left > 0 ? ` ${left} more pairs overlap too little to be tested.` : ""}`),
     ),
     counts(result),
   );

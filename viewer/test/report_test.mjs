@@ -1,14 +1,14 @@
 // SPDX-FileCopyrightText: The kilter authors
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// node report_test.mjs REPORT.html HOSTILE.html FOLDER: uses a report as a person would, and one whose robots have
-// hostile names. Prints a line of JSON per test; screenshots go to FOLDER. tests/viewer_test.py runs it.
+// node report_test.mjs REPORT.html HOSTILE.html FLEET.html FOLDER: uses a report as a person would, one whose robots have
+// hostile names and one of many robots. Prints a line of JSON per test; screenshots go to FOLDER. tests/viewer_test.py runs it.
 import assert from "node:assert/strict";
 import { mkdirSync } from "node:fs";
 import { join } from "node:path";
 import { launch, open } from "./browser.mjs";
 
-const [report, hostile, folder] = process.argv.slice(2);
+const [report, hostile, fleet, folder] = process.argv.slice(2);
 mkdirSync(folder, { recursive: true });
 const browser = await launch();
 
@@ -310,6 +310,19 @@ await test("hostile names are only names", { file: hostile }, async (page) => {
   assert.equal(await selected(again.page), await selected(page));
   await again.context.close();
   await page.screenshot({ path: join(folder, "hostile.png") });
+});
+
+await test("many robots leave the verdict short", { file: fleet, width: 1366, height: 768 }, async (page) => {
+  const seen = await page.evaluate(() => ({
+    height: document.querySelector("#verdict").getBoundingClientRect().height,
+    words: document.querySelector("#verdict .quiet").textContent,
+    robots: window.kilter.state.archive.result.robots.length,
+    meetings: Object.keys(window.kilter.state.archive.result.system.decided.global).length,
+  }));
+  assert.ok(seen.words.includes(`${seen.robots} robots, `), seen.words);
+  assert.ok(seen.words.includes(`two robots, ${seen.meetings} times, `), seen.words);
+  assert.ok(seen.height < 0.2 * 768, `${seen.height} px`);
+  await page.screenshot({ path: join(folder, "fleet.png") });
 });
 
 await browser.close();
