@@ -84,11 +84,11 @@ Expected<Pose3> pose_from_quaternion(const Eigen::Vector3d& position_m, const Ei
   return Pose3(Eigen::Quaterniond(quaternion[3], quaternion[0], quaternion[1], quaternion[2]), position_m);
 }
 
-Expected<Pose3> pose_from_rows(std::span<const double, 12> v) {
-  const Eigen::Vector3d position_m(v[3], v[7], v[11]);
+Expected<Pose3> pose_from_rows(std::span<const double, 12> rows) {
+  const Eigen::Vector3d position_m(rows[3], rows[7], rows[11]);
   if (auto ok = check_position(position_m); !ok) return pass_up(ok.error());
   Eigen::Matrix3d R;
-  R << v[0], v[1], v[2], v[4], v[5], v[6], v[8], v[9], v[10];
+  R << rows[0], rows[1], rows[2], rows[4], rows[5], rows[6], rows[8], rows[9], rows[10];
   const double error = (R.transpose() * R - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
   if (!(error <= kMaxRotationError)) {
     return fail(ErrorCode::kInvalidPose,

@@ -71,10 +71,9 @@ void draw_blocks(Image& image, const Result& result, int cell, int side) {
 // World x and y to pixels, north up.
 class TopView {
  public:
-  explicit TopView(const Eigen::AlignedBox2d& extent_m) {
+  explicit TopView(const Eigen::AlignedBox2d& extent_m) : corner_m_(extent_m.min()) {
     const Eigen::Vector2d size_m = extent_m.sizes().cwiseMax(1.0);
     scale_ = (kMapPixels - 2.0 * kMargin) / size_m.maxCoeff();
-    corner_m_ = extent_m.min();
     width_ = static_cast<int>(std::ceil(size_m.x() * scale_)) + 2 * kMargin;
     height_ = static_cast<int>(std::ceil(size_m.y() * scale_)) + 2 * kMargin;
   }
