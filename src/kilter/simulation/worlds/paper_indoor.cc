@@ -89,7 +89,7 @@ FloorPlan floor_plan(const Plan& p) {
   plan.add_corridor({p.knee.x(), p.a_top_y}, p.knee, 2.0);
   plan.add_passage(p.knee, {p.knee.x(), 0.0}, 2.0);
   plan.add_corridor(p.knee, p.fork, 1.6);
-  plan.add_passage(p.fork, {p.east_x, p.fork.y() - 0.2}, 1.2);
+  plan.add_passage(p.fork, {p.east_x, p.fork.y() - 0.2}, 0.75);
   plan.add_corridor(p.fork, p.hook, 1.8);
   plan.add_corridor(p.hook, p.star, 2.0);
   // Robot b's loop.
@@ -134,6 +134,12 @@ std::vector<DoorPlace> door_places(const Plan& p) {
       {p.hook - 2.2 * north, north, 2.0, DoorHabit::kAutomatic},
       {p.knee + 0.35 * knee_to_fork, knee_to_fork, 1.6, DoorHabit::kAutomatic},
       {p.knee + 0.75 * knee_to_fork, knee_to_fork, 1.6, DoorHabit::kAutomatic},
+      // Where the opening to the east crosses the passage that a looks down from the north, before b comes home.
+      {Vector2d(p.knee.x(), p.fork.y() - 0.62), north, 2.0, DoorHabit::kClosesAtLast, 2.6},
+      {Vector2d(p.knee.x(), p.fork.y() + 0.42), north, 2.0, DoorHabit::kClosesAtLast, 1.1},
+      {Vector2d(p.knee.x() - 1.1, p.fork.y() - 0.08), east, 0.9, DoorHabit::kOpensForGood, 2.2},
+      // Hides the far end of that passage from b's return to the start.
+      {Vector2d(2.5, 0.0), east, kWidth_m, DoorHabit::kClosesAtLast, 0.8},
       {Vector2d(p.east_x, 1.1), north, kWidth_m, DoorHabit::kAutomatic},
       {Vector2d(p.east_x, 2.15), north, kWidth_m, DoorHabit::kAutomatic, 0.28},
       {p.west + 0.4 * east, east, kWidth_m, DoorHabit::kAutomatic},
@@ -168,7 +174,7 @@ Scene make_paper_indoor(const SceneOptions& options) {
                    .from = 0.4,
                    .until = 0.68,
                    .at = 0.62,
-                   .size_m = 0.5,
+                   .size_m = 0.58,
                    .size_rad = 0.008,
                    .bearing_rad = 2.6}};
   return scene;
