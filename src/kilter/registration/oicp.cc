@@ -15,6 +15,7 @@ namespace {
 
 constexpr double kShrink = 0.85;
 constexpr double kFinalSearchVoxels = 3.0;
+constexpr double kCreepVoxels = 0.05;  // the search narrows once a step is shorter than this
 constexpr double kMaxOccupancyDifference = 0.4;
 constexpr double kSmallTurn_rad = 1e-4;
 constexpr int kSettledIterations = 3;
@@ -143,9 +144,10 @@ RegistrationResult align_oicp(const NearestVoxelSearch& source, const NearestVox
       return result;
     }
     const Eigen::Vector3d probe_m = matches.front().source_m;
-    const bool small = (step * probe_m - probe_m).norm() < resolution_m / 200.0 && step.angle_rad() < kSmallTurn_rad;
+    const double step_m = (step * probe_m - probe_m).norm();
+    const bool small = step_m < resolution_m / 200.0 && step.angle_rad() < kSmallTurn_rad;
     settled = small && search_m <= final_search_m ? settled + 1 : 0;
-    search_m = std::max(search_m * kShrink, final_search_m);
+    if (step_m < kCreepVoxels * resolution_m) search_m = std::max(search_m * kShrink, final_search_m);
   }
   if (overlap_at(source, target, T, options.search_distance_m) < 0.8 * start_overlap) {
     result.stop = StopReason::kOverlapLost;

@@ -93,18 +93,29 @@ std::vector<FloorPlan::Piece> FloorPlan::walls() const {
 void FloorPlan::build_hedges(TriangleMesh& mesh, double height_m, Rng& rng) const {
   constexpr double kSegment_m = 1.5;
   constexpr double kDepth_m = 0.5;
+  constexpr double kSetback_m = 0.25;
+  // Neighbours overlap although they stand differently deep, and so do two hedges in a corner: nobody looks between.
+  constexpr double kJoint_m = 0.05;
+  constexpr double kCorner_m = kSetback_m + 0.1;
   for (const Piece& piece : walls()) {
     const Vector2d along = (piece.end_m - piece.start_m).normalized();
     const Vector2d away = -left_of(along);
     const double length_m = (piece.end_m - piece.start_m).norm();
     const int segments = std::max(1, static_cast<int>(length_m / kSegment_m));
+    const auto reach_m = [&](const Vector2d& end_m, const Vector2d& out) {
+      return is_free(end_m + kCorner_m * out, nullptr) ? kJoint_m : kCorner_m;
+    };
+    const double reach_start_m = reach_m(piece.start_m, -along);
+    const double reach_end_m = reach_m(piece.end_m, along);
     for (int i = 0; i < segments; ++i) {
       const double top_m = height_m * rng.uniform(0.92, 1.08);
-      const double setback_m = 0.5 * kDepth_m + rng.uniform(0.0, 0.25);
+      const double setback_m = 0.5 * kDepth_m + rng.uniform(0.0, kSetback_m);
       const Vector2d at_m = piece.start_m + (i + 0.5) / segments * length_m * along + setback_m * away;
-      // Longer than its share: neighbours overlap although they stand differently deep.
-      mesh.add_box({.center_m = {at_m.x(), at_m.y(), 0.5 * top_m},
-                    .size_m = {length_m / segments + 0.1, kDepth_m, top_m + 0.6},
+      const double before_m = i == 0 ? reach_start_m : kJoint_m;
+      const double after_m = i + 1 == segments ? reach_end_m : kJoint_m;
+      const Vector2d middle_m = at_m + 0.5 * (after_m - before_m) * along;
+      mesh.add_box({.center_m = {middle_m.x(), middle_m.y(), 0.5 * top_m},
+                    .size_m = {length_m / segments + before_m + after_m, kDepth_m, top_m + 0.6},
                     .yaw_rad = std::atan2(along.y(), along.x())},
                    Material::kFoliage);
       const Vector2d tree_m = at_m + rng.uniform(0.8, 1.2) * away;

@@ -43,8 +43,8 @@ Way on_ground(const std::vector<Vector2d>& corners) {
 }
 
 const std::vector<Vector2d> kWayOfA = {{0.0, 0.0}, {18.6, 0.0}, {18.6, -30.0}, {90.0, -30.0}, {90.0, -41.0}};
-const std::vector<Vector2d> kWayOfB = {{90.0, -41.0}, {90.0, -23.0}, {82.0, -23.0}, {82.0, 18.0},
-                                       {48.0, 18.0},  {48.0, 12.0},  {3.0, 12.0},   {3.0, 7.0},
+const std::vector<Vector2d> kWayOfB = {{90.0, -41.0}, {90.0, -21.5}, {82.0, -21.5}, {82.0, 19.1},
+                                       {48.0, 19.1},  {48.0, 12.0},  {3.0, 12.0},   {3.0, 7.0},
                                        {-4.0, 7.0},   {-4.0, 0.5},   {1.0, 0.5}};
 
 // Where cars stand beside a lane: the middle of the pocket's mouth, and the way in.
@@ -57,9 +57,9 @@ const std::vector<Pocket>& pockets() {
       {{6.0, -2.5}, {0.0, -1.0}},   {{16.1, -10.0}, {-1.0, 0.0}}, {{21.1, -17.0}, {1.0, 0.0}},
       {{16.1, -24.0}, {-1.0, 0.0}}, {{30.0, -34.5}, {0.0, -1.0}}, {{42.0, -27.5}, {0.0, 1.0}},
       {{52.0, -34.5}, {0.0, -1.0}}, {{63.0, -27.5}, {0.0, 1.0}},  {{74.0, -34.5}, {0.0, -1.0}},
-      {{92.5, -36.0}, {1.0, 0.0}},  {{92.5, -25.5}, {1.0, 0.0}},  {{86.5, -14.0}, {1.0, 0.0}},
-      {{79.5, -5.0}, {-1.0, 0.0}},  {{86.5, 4.0}, {1.0, 0.0}},    {{72.0, 20.5}, {0.0, 1.0}},
-      {{58.0, 15.5}, {0.0, -1.0}},  {{38.0, 14.5}, {0.0, 1.0}},   {{26.0, 9.5}, {0.0, -1.0}},
+      {{92.5, -37.5}, {1.0, 0.0}},  {{92.5, -29.6}, {1.0, 0.0}},  {{86.5, -14.0}, {1.0, 0.0}},
+      {{79.5, -5.0}, {-1.0, 0.0}},  {{86.5, 4.0}, {1.0, 0.0}},    {{72.0, 21.6}, {0.0, 1.0}},
+      {{58.0, 16.6}, {0.0, -1.0}},  {{38.0, 14.5}, {0.0, 1.0}},   {{26.0, 9.5}, {0.0, -1.0}},
       {{14.0, 14.5}, {0.0, 1.0}}};
   return kPockets;
 }
@@ -71,16 +71,16 @@ FloorPlan lanes() {
   plan.add_corridor({18.6, 0.0}, {18.6, -30.0}, kLane_m);
   plan.add_passage({16.1, -31.0}, {92.5, -31.0}, 7.0);  // wide enough for moving cars
   plan.add_corridor({90.0, -30.0}, {90.0, -41.0}, kLane_m);
-  plan.add_passage({90.0, -30.0}, {90.0, -20.5}, kLane_m);
-  plan.add_passage({92.5, -23.0}, {79.5, -23.0}, kLane_m);
-  plan.add_passage({83.0, -25.5}, {83.0, 20.5}, 7.0);
-  plan.add_corridor({82.0, 18.0}, {48.0, 18.0}, kLane_m);
-  plan.add_corridor({48.0, 18.0}, {48.0, 12.0}, kLane_m);
+  plan.add_passage({90.0, -30.0}, {90.0, -19.0}, kLane_m);
+  plan.add_passage({92.5, -21.5}, {79.5, -21.5}, kLane_m);
+  plan.add_passage({83.0, -24.0}, {83.0, 21.6}, 7.0);
+  plan.add_corridor({82.0, 19.1}, {48.0, 19.1}, kLane_m);
+  plan.add_corridor({48.0, 19.1}, {48.0, 12.0}, kLane_m);
   plan.add_corridor({48.0, 12.0}, {3.0, 12.0}, 4.0);
   plan.add_corridor({3.0, 12.0}, {3.0, 7.0}, 3.6);
   plan.add_corridor({3.0, 7.0}, {-4.0, 7.0}, 3.6);
   plan.add_passage({-4.0, 8.8}, {-4.0, 0.0}, 3.6);
-  plan.add_passage({8.0, 12.0}, {8.0, 0.0}, 2.0);  // through it b sees where a set out
+  plan.add_passage({8.0, 12.0}, {8.0, 0.0}, 2.4);  // through it b sees where a set out
   for (const Pocket& pocket : pockets()) {
     plan.add_passage(pocket.mouth_m - 0.5 * pocket.in, pocket.mouth_m + kPocketDepth_m * pocket.in, kPocketWidth_m);
   }
@@ -100,6 +100,19 @@ void park_cars(TriangleMesh& mesh, Rng& rng) {
   }
 }
 
+// Posts that keep cars out of the passage, posts and booths where the robots meet: the ground alone, seen by 16 beams
+// from two places, is two sets of rings that fit no better once registered.
+void add_posts(TriangleMesh& mesh) {
+  for (const Vector2d& at_m :
+       {Vector2d(7.4, 5.4), Vector2d(8.4, 5.7), Vector2d(7.9, 6.3), Vector2d(7.5, 7.0), Vector2d(8.5, 6.9),
+        Vector2d(91.7, -35.8), Vector2d(88.2, -36.6), Vector2d(91.8, -28.5), Vector2d(88.1, -31.6)}) {
+    mesh.add_prism(on_ground(at_m), 0.17, 0.17, 3.5, 8, Material::kConcrete);
+  }
+  for (const Vector2d& at_m : {Vector2d(86.3, -33.6), Vector2d(91.7, -33.4)}) {
+    mesh.add_box({.center_m = on_ground(at_m) + Vector3d(0.0, 0.0, 1.6), .size_m = {1.2, 1.2, 3.4}}, Material::kPaint);
+  }
+}
+
 // Cars go up and down the two wide lanes, people walk about.
 void add_traffic(TriangleWorld& world, Rng& rng) {
   const auto send = [&](const TriangleMesh& mesh, const Vector2d& from, const Vector2d& to, double speed_mps) {
@@ -112,13 +125,16 @@ void add_traffic(TriangleWorld& world, Rng& rng) {
   send(make_person(rng), {5.0, -1.6}, {15.0, -1.6}, 1.2);
   send(make_person(rng), {20.2, -5.0}, {20.2, -26.0}, 1.1);
   send(make_person(rng), {30.0, 13.5}, {10.0, 13.5}, 1.3);
-  send(make_person(rng), {76.0, 16.4}, {54.0, 16.4}, 1.0);
+  send(make_person(rng), {76.0, 17.5}, {54.0, 17.5}, 1.0);
 }
 
 // Sliding gates keep submaps that the paper does not discuss from seeing the yard where the robots meet, and a's start.
 std::vector<DoorPlace> gates() {
   return {{.at_m = {84.1, -30.0}, .along = Vector2d::UnitX(), .width_m = 9.0},
           {.at_m = {85.6, -30.0}, .along = Vector2d::UnitX(), .width_m = 9.0},
+          {.at_m = {90.0, -25.4}, .along = Vector2d::UnitY(), .width_m = 5.0},
+          {.at_m = {90.0, -23.6}, .along = Vector2d::UnitY(), .width_m = 5.0},
+          {.at_m = {-4.0, 5.1}, .along = Vector2d::UnitY(), .width_m = 3.6, .opens_at_m = 0.4},
           {.at_m = {-4.0, 2.6}, .along = Vector2d::UnitY(), .width_m = 3.6}};
 }
 
@@ -150,7 +166,7 @@ struct Slip {
 
 constexpr std::array<Slip, 5> kSlips = {{{0, 3, 0.45, 0.5 * kPi, 0.0},
                                          {0, 6, 0.45, 0.5 * kPi, 0.0},
-                                         {0, 13, 0.3, 0.25 * kPi, 0.015},
+                                         {0, 13, 0.42, 0.25 * kPi, 0.015},
                                          {1, 11, 0.45, 0.33 * kPi, 0.0},
                                          {1, 16, 0.45, 0.0, 0.015}}};
 
@@ -163,6 +179,7 @@ Scene make_paper_outdoor(const SceneOptions& options) {
   lanes().build_hedges(scene.world.fixed, kHedge_m, plants);
   Rng street = part_rng(options, WorldPart::kStreet);
   park_cars(scene.world.fixed, street);
+  add_posts(scene.world.fixed);
   Rng traffic = part_rng(options, WorldPart::kTraffic);
   add_traffic(scene.world, traffic);
   scene.routes = {{on_ground(kWayOfA), {}, 0.0}, {on_ground(kWayOfB), {}, 0.0}};
