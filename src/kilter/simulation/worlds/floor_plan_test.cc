@@ -1,0 +1,52 @@
+// SPDX-FileCopyrightText: The kilter authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "kilter/simulation/worlds/floor_plan.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "kilter/simulation/ray_caster.h"
+
+namespace kilter {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+// The longest of many level looks round from points along x = 0, from y = 0 to `to_y`.
+double longest_look_m(const FloorPlan& plan, double to_y, std::uint64_t seed) {
+  constexpr int kDirections = 1440;
+  TriangleWorld world;
+  Rng rng(seed, 0);
+  plan.build_hedges(world.fixed, 4.0, rng);
+  const Expected<RayCaster> caster = RayCaster::build(world);
+  EXPECT_TRUE(caster.has_value());
+  double longest_m = 0.0;
+  for (double y = 0.0; y <= to_y; y += 0.5) {
+    for (int i = 0; i < kDirections; ++i) {
+      const double angle = 2.0 * std::numbers::pi * i / kDirections;
+      const auto hit = caster->at(0.0).first_hit({0.0, y, 1.0}, Vector3d(std::cos(angle), std::sin(angle), 0.0), 100.0);
+      longest_m = std::max(longest_m, hit ? hit->range_m : 100.0);
+    }
+  }
+  return longest_m;
+}
+
+TEST(FloorPlan, NobodyLooksOutThroughACornerOfHedges) {
+  FloorPlan plan;
+  plan.add_passage({0.0, -2.5}, {0.0, 12.5}, 5.0);
+  plan.add_passage({-2.5, 10.0}, {9.0, 10.0}, 5.0);
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) EXPECT_LT(longest_look_m(plan, 10.0, seed), 17.0) << seed;
+}
+
+TEST(FloorPlan, AnOpeningBetweenHedgesStaysOpen) {
+  FloorPlan plan;
+  plan.add_passage({0.0, -2.5}, {0.0, 12.5}, 5.0);
+  plan.add_passage({0.0, 5.0}, {20.0, 5.0}, 2.0);
+  EXPECT_NEAR(longest_look_m(plan, 10.0, 1), 20.0, 1.5);
+}
+
+}  // namespace
+}  // namespace kilter
