@@ -157,8 +157,11 @@ Expected<Result> check(const std::vector<RobotLog>& robots, const CheckOptions& 
     measured = measure_all(submaps, candidates, options, searches, run, result.too_little_overlap);
   }
   if (run.cancelled != nullptr && run.cancelled->load()) return stopped();
-  const Stopwatch watch(result.seconds["verdicts"]);
-  std::vector<JudgedPair> judged = judge_all(measured, submaps, options);
+  std::vector<JudgedPair> judged;
+  {
+    const Stopwatch watch(result.seconds["verdicts"]);
+    judged = judge_all(measured, submaps, options);
+  }
   std::vector<std::string> names;
   names.reserve(robots.size());
   for (const RobotLog& robot : robots) names.push_back(robot.name);
@@ -169,9 +172,12 @@ Expected<Result> check(const std::vector<RobotLog>& robots, const CheckOptions& 
   for (std::size_t i = 0; i < measured.size(); ++i)
     result.pairs.push_back(pair_result(measured[i], judged[i].verdict, options));
   summarise(robots, submaps, result);
-  if (run.fuse_maps) fuse_all(submaps, options, result);
+  if (run.fuse_maps) {
+    const Stopwatch watch(result.seconds["maps"]);
+    fuse_all(submaps, options, result);
+  }
   if (run.draw_picture) {
-    const Stopwatch picture_watch(result.seconds["picture"]);
+    const Stopwatch watch(result.seconds["picture"]);
     result.picture = draw_picture(robots, submaps, searches, result, options.picture, stage_context(run, "picture"));
   }
   if (run.cancelled != nullptr && run.cancelled->load()) return stopped();
