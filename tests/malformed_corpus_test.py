@@ -3,7 +3,7 @@
 """Every file of the malformed corpus (malformed/) ends as its kind says, quickly, in little memory, and leaves nothing.
 
 `invalid` ones end with exit 3 (a configuration: 2), one message that names the file, and no output; `tolerated` ones are
-read. Sanitizer builds (KILTER_SANITIZED) are slower and larger, so there only the ending counts.
+read. Builds with sanitizers or coverage (KILTER_INSTRUMENTED) are slower and larger, so there only the ending counts.
 """
 
 from __future__ import annotations
@@ -22,8 +22,8 @@ from malformed import write
 from malformed.case import Case
 from tiny_mission import TinyMission
 
-SANITIZED = "KILTER_SANITIZED" in os.environ
-LONGEST_S = 60.0 if SANITIZED else 1.0
+INSTRUMENTED = "KILTER_INSTRUMENTED" in os.environ
+LONGEST_S = 60.0 if INSTRUMENTED else 1.0
 FREE_BYTES = 256 << 20
 FEWEST = 400  # files over all formats
 
@@ -73,7 +73,7 @@ class MalformedCorpus(unittest.TestCase):
     def objections(self, case: Case, source: Path, ending: Ending) -> Iterator[str]:
         if ending.seconds > LONGEST_S:
             yield f"it took {ending.seconds:.1f} s"
-        if not SANITIZED and ending.peak_bytes > FREE_BYTES + 4 * size_of(source):
+        if not INSTRUMENTED and ending.peak_bytes > FREE_BYTES + 4 * size_of(source):
             yield f"it took {ending.peak_bytes >> 20} MB"
         if any(ord(c) < 32 and c != "\n" or ord(c) == 127 for c in ending.message):
             yield "bytes of the file reach the terminal"
