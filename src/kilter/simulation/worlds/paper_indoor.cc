@@ -34,7 +34,7 @@ struct Plan {
   Vector2d hall_low{-15.0, 6.4};
   Vector2d hall_high{-8.0, 13.0};
   double west_y = 8.0;  // and leaves it to the west
-  double b_far_x = -26.25;
+  double b_far_x = -25.8;
   double b_top_y = 17.2;
   double north_x = -13.5;  // comes back from the north
   double north_turn_y = 8.2;
@@ -75,7 +75,7 @@ Way way_of_b(const Plan& p) {
                    p.bend,
                    p.hook,
                    p.star,
-                   p.star - Vector2d(0.0, 0.5)});
+                   p.star - Vector2d(0.9, 0.4)});
 }
 
 FloorPlan floor_plan(const Plan& p) {
@@ -89,7 +89,7 @@ FloorPlan floor_plan(const Plan& p) {
   plan.add_corridor({p.knee.x(), p.a_top_y}, p.knee, 2.0);
   plan.add_passage(p.knee, {p.knee.x(), 0.0}, 2.0);
   plan.add_corridor(p.knee, p.fork, 1.6);
-  plan.add_passage(p.fork, {p.east_x, p.fork.y() - 0.2}, 0.75);
+  plan.add_passage(p.fork, {p.east_x, p.fork.y() - 0.2}, 0.66);
   plan.add_corridor(p.fork, p.hook, 1.8);
   plan.add_corridor(p.hook, p.star, 2.0);
   // Robot b's loop.
@@ -131,12 +131,12 @@ std::vector<DoorPlace> door_places(const Plan& p) {
   const Vector2d bend_to_hook = p.hook - p.bend;
   // Where two doors stand a metre apart, no submap sees the other side of the door that another one sees.
   return {
-      {p.hook - 2.2 * north, north, 2.0, DoorHabit::kAutomatic},
+      {p.hook - 2.6 * north, north, 2.0, DoorHabit::kAutomatic},
       {p.knee + 0.35 * knee_to_fork, knee_to_fork, 1.6, DoorHabit::kAutomatic},
       {p.knee + 0.75 * knee_to_fork, knee_to_fork, 1.6, DoorHabit::kAutomatic},
       // Where the opening to the east crosses the passage that a looks down from the north, before b comes home.
-      {Vector2d(p.knee.x(), p.fork.y() - 0.62), north, 2.0, DoorHabit::kClosesAtLast, 2.6},
-      {Vector2d(p.knee.x(), p.fork.y() + 0.42), north, 2.0, DoorHabit::kClosesAtLast, 1.1},
+      {Vector2d(p.knee.x(), p.fork.y() - 0.58), north, 2.0, DoorHabit::kClosesAtLast, 2.6},
+      {Vector2d(p.knee.x(), p.fork.y() + 0.38), north, 2.0, DoorHabit::kClosesAtLast, 1.1},
       {Vector2d(p.knee.x() - 1.1, p.fork.y() - 0.08), east, 0.9, DoorHabit::kOpensForGood, 2.2},
       // Hides the far end of that passage from b's return to the start.
       {Vector2d(2.5, 0.0), east, kWidth_m, DoorHabit::kClosesAtLast, 0.8},
@@ -165,7 +165,7 @@ Scene make_paper_indoor(const SceneOptions& options) {
   finish_routes(scene, options, {.speed_mps = 0.7, .sensor_height_m = 1.3});
   scene.routes[1].start_s = 300.0;  // one session after the other
   hang_doors(door_places(plan), kHeight_m, scene);
-  scene.scan_step_m = 0.5;
+  scene.scan_step_m = 0.515;
   scene.keep_range_m = 9.0;
   scene.slam.drift.bias_rad_per_m = {0.00005, 0.00005, 0.0002};
   scene.slam.drift.yaw_rad_per_rad = 0.001;
@@ -174,7 +174,7 @@ Scene make_paper_indoor(const SceneOptions& options) {
                    .from = 0.4,
                    .until = 0.68,
                    .at = 0.62,
-                   .size_m = 0.58,
+                   .size_m = 0.63,
                    .size_rad = 0.008,
                    .bearing_rad = 2.6}};
   return scene;

@@ -106,9 +106,9 @@ void add_posts(TriangleMesh& mesh) {
   for (const Vector2d& at_m :
        {Vector2d(7.4, 5.4), Vector2d(8.4, 5.7), Vector2d(7.9, 6.3), Vector2d(7.5, 7.0), Vector2d(8.5, 6.9),
         Vector2d(91.7, -35.8), Vector2d(88.2, -36.6), Vector2d(91.8, -28.5), Vector2d(88.1, -31.6)}) {
-    mesh.add_prism(on_ground(at_m), 0.17, 0.17, 3.5, 8, Material::kConcrete);
+    mesh.add_prism(on_ground(at_m), 0.2, 0.2, 3.5, 8, Material::kConcrete);
   }
-  for (const Vector2d& at_m : {Vector2d(86.3, -33.6), Vector2d(91.7, -33.4)}) {
+  for (const Vector2d& at_m : {Vector2d(87.1, -33.6), Vector2d(91.7, -33.4)}) {
     mesh.add_box({.center_m = on_ground(at_m) + Vector3d(0.0, 0.0, 1.6), .size_m = {1.2, 1.2, 3.4}}, Material::kPaint);
   }
 }
@@ -131,11 +131,11 @@ void add_traffic(TriangleWorld& world, Rng& rng) {
 // Sliding gates keep submaps that the paper does not discuss from seeing the yard where the robots meet, and a's start.
 std::vector<DoorPlace> gates() {
   return {{.at_m = {84.1, -30.0}, .along = Vector2d::UnitX(), .width_m = 9.0},
-          {.at_m = {85.6, -30.0}, .along = Vector2d::UnitX(), .width_m = 9.0},
-          {.at_m = {90.0, -25.4}, .along = Vector2d::UnitY(), .width_m = 5.0},
-          {.at_m = {90.0, -23.6}, .along = Vector2d::UnitY(), .width_m = 5.0},
-          {.at_m = {-4.0, 5.1}, .along = Vector2d::UnitY(), .width_m = 3.6, .opens_at_m = 0.4},
-          {.at_m = {-4.0, 2.6}, .along = Vector2d::UnitY(), .width_m = 3.6}};
+          {.at_m = {86.1, -30.0}, .along = Vector2d::UnitX(), .width_m = 9.0},
+          {.at_m = {90.0, -25.4}, .along = Vector2d::UnitY(), .width_m = 6.0},
+          {.at_m = {90.0, -23.6}, .along = Vector2d::UnitY(), .width_m = 6.0},
+          {.at_m = {-4.0, 5.1}, .along = Vector2d::UnitY(), .width_m = 4.6, .opens_at_m = 0.4},
+          {.at_m = {-4.0, 2.6}, .along = Vector2d::UnitY(), .width_m = 4.6}};
 }
 
 // The share of a route's scans at which submap `number` (1-based) begins, when one begins every 10 m.
