@@ -18,6 +18,15 @@ double way_m(const Correction& a, const Correction& b) {
   return std::abs(a.source_path_m - b.source_path_m) + std::abs(a.target_path_m - b.target_path_m);
 }
 
+// Whether both corrections close over a common stretch of way. Of one robot, a pair before a slip and one across it do
+// not: what one asks for is no reason to doubt the other.
+bool close_over_same_way(const Correction& a, const Correction& b) {
+  if (a.source_robot != a.target_robot) return true;
+  const auto [a_from_m, a_to_m] = std::minmax(a.target_path_m, a.source_path_m);
+  const auto [b_from_m, b_to_m] = std::minmax(b.target_path_m, b.source_path_m);
+  return std::min(a_to_m, b_to_m) > std::max(a_from_m, b_from_m);
+}
+
 bool comparable(const Correction& a, const Correction& b, const AgreementOptions& options) {
   return a.source_robot == b.source_robot && a.target_robot == b.target_robot && !(a.id == b.id) &&
          way_m(a, b) <= options.neighbourhood_m;
@@ -53,7 +62,7 @@ std::vector<Agreement> compare_corrections(std::span<const Correction> correctio
     for (const Correction& other : corrections) {
       if (!comparable(own, other, options)) continue;
       const Say say = compare(own, other, options);
-      if (say == Say::kOther) {
+      if (say == Say::kOther && close_over_same_way(own, other)) {
         ++agreement.contradicting;
         agreement.contradicting_weight += other.weight;
       } else if (say == Say::kSame) {

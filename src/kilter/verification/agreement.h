@@ -56,7 +56,8 @@ struct AgreementOptions {
 /// neighbourhood along both journeys. Two of them close a cycle with the odometry between their ends; they agree if
 /// they put the first one's overlap to places nearer than twice their joint standard deviation plus the drift allowed
 /// on the way and a decimetre. Where that allowance exceeds half of what they ask for (and half a metre), they say
-/// nothing about each other.
+/// nothing about each other. Within one robot, those that close over none of the same way may agree, but do not
+/// contradict: odometry may have slipped under one of them.
 /// \return one entry per correction, in order. O(n^2) within a pair of robots, distances along journeys first.
 [[nodiscard]] std::vector<Agreement> compare_corrections(std::span<const Correction> corrections,
                                                          const AgreementOptions& options);

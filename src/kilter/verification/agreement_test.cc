@@ -49,6 +49,25 @@ TEST(CompareCorrections, OtherRobotsAndFarPiecesSayNothing) {
   EXPECT_EQ(compare_corrections(corrections, {})[0].contradicting, 0);
 }
 
+// Odometry slipped between submaps 2 and 3 of one robot: the pairs before and after it rightly ask for nothing.
+TEST(CompareCorrections, PairsBesideASlipDoNotContradictTheOneAcrossIt) {
+  const auto sequential = [](int i, double shift_m) {
+    Correction correction = asking(i, {shift_m, 0.0, 0.0});
+    correction.id = {{i}, {i - 1}};
+    correction.source_robot = 0;
+    correction.target_path_m = 10.0 * (i - 1);
+    return correction;
+  };
+  std::vector<Correction> corrections = {sequential(1, 0.0), sequential(2, 0.0), sequential(3, 0.5),
+                                         sequential(4, 0.0)};
+  EXPECT_EQ(compare_corrections(corrections, {})[2].contradicting, 0);
+  // One that reaches across the slip as well does speak.
+  corrections.push_back(sequential(4, -0.5));
+  corrections.back().id = {{4}, {2}};
+  corrections.back().target_path_m = 20.0;
+  EXPECT_EQ(compare_corrections(corrections, {})[2].contradicting, 1);
+}
+
 // A correction whose free direction could hide the difference does not contradict.
 TEST(CompareCorrections, UncertainCorrectionsSayNothing) {
   std::vector<Correction> corrections = {asking(0, {0.6, 0.0, 0.0}), asking(1, {0.0, 0.0, 0.0})};
