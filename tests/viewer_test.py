@@ -42,10 +42,7 @@ class Viewer(unittest.TestCase):
         cls.shots = kilter_binary().parent / "viewer-shots"
         shutil.rmtree(cls.shots, ignore_errors=True)
 
-    def check(self, mission, name):
-        return self.check_all([mission], name)
-
-    def check_all(self, sources, name):
+    def check(self, name, *sources):
         run = run_kilter("check", *sources, "-o", self.folder / name, "--fail-on", "never", timeout_s=300)
         self.assertEqual(run.status, 0, run.stderr)
         return self.folder / name / "report.html"
@@ -54,30 +51,30 @@ class Viewer(unittest.TestCase):
         """A report of the simulated office, or of the tiny mission where the simulator was not built."""
         made = run_kilter("simulate", "office", "--scale", "0.6", "-o", self.folder / "office", timeout_s=300)
         if made.status == 0:
-            return self.check(self.folder / "office/mission", "out")
+            return self.check("out", self.folder / "office/mission")
         with TinyMission() as tiny:
-            return self.check(tiny.mission, "out")
+            return self.check("out", tiny.mission)
 
     def hostile(self):
         """A report of robots whose names are meant to do harm."""
         with TinyMission() as tiny:
             for robot, name in zip("ab", HOSTILE):
                 shutil.move(tiny.mission / robot, tiny.mission / name)
-            return self.check(tiny.mission, "hostile")
+            return self.check("hostile", tiny.mission)
 
     def fleet(self):
         """A report of eight robots, four that went each way of the tiny mission."""
         with TinyMission() as tiny:
             robots = [f"{way}{n}={tiny.mission / way}" for n in range(4) for way in "ab"]
-            return self.check_all(robots, "fleet")
+            return self.check("fleet", *robots)
 
     def test_the_report_does_what_it_shows(self):
         report = self.simulated()
         if b"built without its viewer" in report.read_bytes():
             self.skipTest("kilter was built without its viewer")
         script = SOURCE_DIR / "viewer/test/report_test.mjs"
-        done = subprocess.run(["node", script, report, self.hostile(), self.fleet(), self.shots], capture_output=True, text=True,
-                              timeout=540, check=False)
+        command = ["node", script, report, self.hostile(), self.fleet(), self.shots]
+        done = subprocess.run(command, capture_output=True, text=True, timeout=540, check=False)
         lines = [json.loads(line) for line in done.stdout.splitlines()]
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertGreaterEqual(len(lines), 12)
@@ -87,7 +84,7 @@ class Viewer(unittest.TestCase):
 
     def test_the_report_command_writes_the_same_bytes(self):
         with TinyMission() as tiny:
-            report = self.check(tiny.mission, "again")
+            report = self.check("again", tiny.mission)
         out = self.folder / "again.html"
         for source in (report.parent, report.parent / "result.kilter"):
             run = run_kilter("report", source, "-o", out)

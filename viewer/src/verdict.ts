@@ -40,14 +40,15 @@ function decided(result: Result): string {
   };
   add("one after the other", sequential);
   add("same robot again", local);
-  const meetings = Object.entries(global).flatMap(([robots, share]) => (share === null ? [] : [{ robots, share }]));
+  const meetings = Object.entries(global).flatMap(([both, share]) =>
+    share === null ? [] : [{ who: both.replace(",", " with "), share }],
+  );
   if (meetings.length <= kNamedAtMost) {
-    for (const { robots, share } of meetings) add(robots.replace(",", " with "), share);
+    for (const { who, share } of meetings) add(who, share);
   } else {
-    const byShare = meetings.sort((a, b) => a.share - b.share);
-    const [least, most] = [byShare[0]!, byShare[byShare.length - 1]!].map(({ robots, share }) =>
-      `${Math.round(100 * share)} % (${robots.replace(",", " with ")})`);
-    shares.push(`two robots, ${meetings.length} times, ${least} to ${most}`);
+    meetings.sort((a, b) => a.share - b.share);
+    const told = ({ who, share }: { who: string; share: number }) => `${Math.round(100 * share)} % (${who})`;
+    shares.push(`two robots, ${meetings.length} times, ${told(meetings[0]!)} to ${told(meetings[meetings.length - 1]!)}`);
   }
   return shares.length === 0 ? "" : `Of what overlaps was decided: ${shares.join(", ")}.`;
 }
