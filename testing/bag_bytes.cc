@@ -33,9 +33,14 @@ std::string packed(const std::string& bytes, BagPacking packing) {
       out.resize(size);
       return out;
     }
-    case BagPacking::kLz4:
-      out.resize(LZ4F_compressFrame(out.data(), out.size(), bytes.data(), bytes.size(), nullptr));
+    case BagPacking::kLz4: {
+      // ROS 1 reads no other frames than these.
+      LZ4F_preferences_t preferences{};
+      preferences.frameInfo.blockMode = LZ4F_blockIndependent;
+      preferences.frameInfo.contentChecksumFlag = LZ4F_contentChecksumEnabled;
+      out.resize(LZ4F_compressFrame(out.data(), out.size(), bytes.data(), bytes.size(), &preferences));
       return out;
+    }
   }
   return out;
 }

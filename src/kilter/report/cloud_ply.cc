@@ -14,15 +14,15 @@ namespace kilter {
 std::string cloud_ply(std::span<const Eigen::Vector3f> points_m, const Pose3& T_frame_points, std::string_view frame) {
   std::string bytes = fmt::format(
       "ply\nformat binary_little_endian 1.0\ncomment frame {}, metres\nelement vertex {}\n"
-      "property double x\nproperty double y\nproperty double z\nend_header\n",
+      "property float x\nproperty float y\nproperty float z\nend_header\n",
       printable(std::string(frame)), points_m.size());
-  bytes.reserve(bytes.size() + points_m.size() * 3 * sizeof(double));
+  bytes.reserve(bytes.size() + points_m.size() * 3 * sizeof(float));
   const Eigen::Isometry3d T = T_frame_points.isometry();
   for (const Eigen::Vector3f& point_m : points_m) {
-    const Eigen::Vector3d moved_m = T * point_m.cast<double>();
+    const Eigen::Vector3f moved_m = (T * point_m.cast<double>()).cast<float>();
     for (int axis = 0; axis < 3; ++axis) {
-      const auto word = std::bit_cast<std::uint64_t>(moved_m[axis]);
-      for (unsigned shift = 0; shift < 64; shift += 8) bytes += static_cast<char>((word >> shift) & 0xFF);
+      const auto word = std::bit_cast<std::uint32_t>(moved_m[axis]);
+      for (unsigned shift = 0; shift < 32; shift += 8) bytes += static_cast<char>((word >> shift) & 0xFF);
     }
   }
   return bytes;

@@ -11,7 +11,8 @@
 
 namespace kilter {
 
-/// Points moved by a pose, as a binary little-endian PLY with double x y z. [m]
+/// Points moved by a pose, as a binary little-endian PLY with float x y z: the type that points have here, and the only
+/// one that PCL's readers of points take. [m]
 /// \param frame  what the result's frame is called, for a comment
 [[nodiscard]] std::string cloud_ply(std::span<const Eigen::Vector3f> points_m, const Pose3& T_frame_points,
                                     std::string_view frame);
