@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: The kilter authors
 # SPDX-License-Identifier: BSD-3-Clause
-# Shared by scripts/demo, scripts/test and scripts/format; sourced, not run.
+# Shared by scripts/demo, scripts/fuzz, scripts/test and scripts/format; sourced, not run.
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 
@@ -76,5 +76,45 @@ build() {
     status=1
   fi
   rm -f "$log"
+  return $status
+}
+
+# fuzz_targets: the names of the readers that build-fuzz/ can fuzz.
+fuzz_targets() {
+  local target
+  for target in "$root"/build-fuzz/fuzz/kilter_*_fuzz; do
+    target=${target##*/kilter_}
+    printf '%s\n' "${target%_fuzz}"
+  done
+}
+
+# processor_seconds PID: what a process used so far, in user and system mode; fails once it is gone.
+processor_seconds() {
+  local stat
+  read -r -a stat <"/proc/$1/stat" && echo $(((stat[13] + stat[14]) / $(getconf CLK_TCK)))
+} 2>/dev/null
+
+# fuzz_target NAME FOLDER RUNS SECONDS: throws mutated bytes at one reader of build-fuzz/, from its seeds with its
+# dictionary, until it took RUNS inputs or SECONDS of its own processor time, so that a busy machine makes it no shorter.
+# New inputs collect in FOLDER/corpus, libFuzzer's log and what it found in FOLDER. Fails if it found something. Leaves
+# fuzz_runs, fuzz_cpu_seconds and fuzz_edges (of the program's control flow, seen so far).
+fuzz_target() {
+  local name=$1 folder=$2 runs=$3 seconds=$4 pid used status=0
+  mkdir -p "$folder/corpus"
+  "$root/build-fuzz/fuzz/kilter_${name}_fuzz" -dict="$root/fuzz/dictionaries/$name.dict" -runs="$runs" -timeout=10 \
+    -rss_limit_mb=2048 -print_final_stats=1 -artifact_prefix="$folder/" "$folder/corpus" "$root/fuzz/corpus/$name" \
+    >"$folder/log" 2>&1 &
+  pid=$!
+  fuzz_cpu_seconds=0
+  while used=$(processor_seconds $pid); do
+    fuzz_cpu_seconds=$used
+    # libFuzzer ends on this signal as it does after its last run: its numbers printed, status 0.
+    if [[ $used -ge $seconds ]]; then kill -USR1 $pid; fi
+    sleep 1
+  done
+  wait $pid || status=$?
+  fuzz_runs=$(sed -n 's/^stat::number_of_executed_units: *//p' "$folder/log")
+  fuzz_edges=$(sed -n 's/.* cov: \([0-9]*\) .*/\1/p' "$folder/log" | tail -n 1)
+  [[ $status -eq 0 ]] || tail -n 40 "$folder/log" >&2
   return $status
 }
