@@ -323,6 +323,8 @@ def main():
     write("config/keys", 'tolerance = 0.1\nalpha = 0.05\nregister = "always"\n')
     write("config/sensor", "T_body_sensor = [0, 0, 0.5, 0, 0, 0, 1]\n")
     write("config/sensors", '# by robot\n[T_body_sensor]\na = "1 0 0 0 0 0 1"\nb = [0, 0, 0, 0, 0, 0, 1]\n')
+    write("config/quoted_hash", '"#&*#.m8m"\u03c6\\')
+    write("config/long_text", 'tolerance = """\n# """ # \u00e9\n')
     write("cuts/two", '{"schema":"kilter.result/1","submaps":[{"robot":"a","first_scan":0,"last_scan":3},'
                       '{"robot":"a","first_scan":4,"last_scan":5}],"pairs":[{"target":"a/1"}]}')
     write("cuts/finished", '{"schema":"kilter.result/1","submaps":[{"robot":"a","first_scan":null,"last_scan":null}]}')

@@ -66,13 +66,32 @@ Expected<void> located(Expected<void> done, const std::string& file, const toml:
   return done;
 }
 
+// What stands in a line in front of its comment. A # between quotes begins none.
+std::string_view before_comment(std::string_view line) {
+  char quote = '\0';
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    if (quote == '\0' && line[i] == '#') return line.substr(0, i);
+    if (quote == '"' && line[i] == '\\') {
+      ++i;
+    } else if (line[i] == quote) {
+      quote = '\0';
+    } else if (quote == '\0' && (line[i] == '"' || line[i] == '\'')) {
+      quote = line[i];
+    }
+  }
+  return line;
+}
+
 // What toml++ has no answer to: it walks down a dotted key by calling itself, so that a.a.a.a... would end the stack,
 // and looks some characters beyond ASCII up in a table that does not have them.
 Expected<void> check_text(std::string_view text, const std::string& where) {
   constexpr std::ptrdiff_t kMostDots = 1000;
+  // Texts of several lines may hold anything that looks like a comment, and end in it; nobody needs one here.
+  const bool has_long_texts =
+      text.find("\"\"\"") != std::string_view::npos || text.find("'''") != std::string_view::npos;
   ByteCursor lines(without_byte_order_mark(text));
   while (const std::optional<std::string_view> line = lines.take_line()) {
-    const std::string_view said = line->substr(0, line->find('#'));
+    const std::string_view said = has_long_texts ? *line : before_comment(*line);
     const std::string at = fmt::format("{}:{}", where, lines.line());
     if (const auto dots = std::count(said.begin(), said.end(), '.'); dots > kMostDots) {
       return fail(ErrorCode::kConfig, fmt::format("expected at most {} dots in a line, found {}", kMostDots, dots), at);

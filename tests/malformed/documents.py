@@ -82,12 +82,13 @@ def configurations() -> Iterator[Case]:
              "twice": b"tolerance = 0.1\ntolerance = 0.2\n", "huge": b"min_matches = 99999999999999999999999\n", "zeros": bytes(400),
              "ones": b"\xff" * 400, "open_string": b'fit = "mom\n', "open_table": b"[T_body_sensor\n", "nested": b"a = " + b"[" * 100_000,
              "nested_tables": b"a = " + b"{b = " * 50_000, "dotted": b"a" + b".a" * 50_000 + b" = 1\n", "dotted_to_the_end": b"a" + b".a" * 500_000 + b" = 1\n",
-             "dotted_table": b"[" + b"a." * 200_000 + b"a]\n", "letters_of_no_key": "429\u033e672T95:_".encode(), "brace_in_a_list": b"T_body_sensor = [0, 0, 0.5, 0,} 0, 0, 1]\n", "date": b"tolerance = 1979-05-27\n",
+             "dotted_table": b"[" + b"a." * 200_000 + b"a]\n", "letters_behind_a_quoted_hash": "\"#\"\u03c6\\".encode(), "dotted_behind_a_quoted_hash": b'"#"' + b".a" * 500_000 + b" = 1\n",
+             "dotted_behind_a_long_text": b'a = """\n# """\nb' + b".a" * 500_000 + b" = 1\n", "letters_of_no_key": "429\u033e672T95:_".encode(), "brace_in_a_list": b"T_body_sensor = [0, 0, 0.5, 0,} 0, 0, 1]\n", "date": b"tolerance = 1979-05-27\n",
              "control": b"tolerance = \x1b[2J\n", "sensor_of_six": b"[T_body_sensor]\na = [0, 0, 0, 0, 0, 0]\n",
              "sensor_no_rotation": b"[T_body_sensor]\na = [0, 0, 0, 0, 0, 0, 0]\n"}
     for name, text in texts.items():
         yield Case("config", name, {".toml": text})
-    for name, text in {"empty": b"", "comment": b"# nothing\n", "crlf": b"tolerance = 0.1\r\n", "byte_order_mark": b"\xef\xbb\xbftolerance = 0.1\n"}.items():
+    for name, text in {"empty": b"", "comment": b"# nothing\n", "crlf": b"tolerance = 0.1\r\n", "comment_behind_a_text": "tolerance = \"10 cm\"  # H\u00f6he\n".encode(), "byte_order_mark": b"\xef\xbb\xbftolerance = 0.1\n"}.items():
         yield Case("config", name, {".toml": text}, tolerated=True)
 
 
