@@ -55,6 +55,7 @@ std::optional<CloudPeek> peek_cloud_file(const std::filesystem::path& path) {
 Expected<PointCloud> read_cloud_file(const std::filesystem::path& path) {
   const std::optional<CloudFormat> format = cloud_format_of(path.filename().native());
   if (!format) return fail(ErrorCode::kUnsupported, "expected a .bin, .pcd, .ply or .las file", shown(path));
+  if (*format == CloudFormat::kPcd) return read_pcd_file(path);
   const Expected<ByteBuffer> bytes = read_file(path);
   if (!bytes) return pass_up(bytes.error());
   switch (*format) {

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <liblzf/lzf.h>
 
+#include <algorithm>
 #include <bit>
 #include <optional>
 
@@ -12,6 +13,7 @@
 #include "kilter/io/file.h"
 #include "kilter/io/number_text.h"
 #include "kilter/io/pcd_header.h"
+#include "kilter/io/random_access_file.h"
 #include "kilter/io/text_points.h"
 
 namespace kilter {
@@ -34,27 +36,59 @@ Expected<PointCloud> read_ascii(ByteCursor& bytes, const PcdHeader& header, cons
   return cloud;
 }
 
-Expected<PointCloud> read_binary(ByteCursor& bytes, const PcdHeader& header, const std::string& where) {
-  const std::uint64_t stored = bytes.remaining() / header.record_bytes;
+// Records are looked at in blocks that stay in a processor's cache, so that a file need not be held whole beside its
+// points: touching memory for the first time takes longer than all else here.
+constexpr std::uint64_t kBlockBytes = 128 * 1024;
+
+Expected<bool> is_padding_from(ByteWindow& window, std::uint64_t position) {
+  while (position < window.end()) {
+    const std::uint64_t size = std::min(kBlockBytes, window.end() - position);
+    const auto bytes = window.look(position, size);
+    if (!bytes) return pass_up(bytes.error());
+    if (!is_padding(*bytes)) return false;
+    position += size;
+  }
+  return true;
+}
+
+Expected<void> check_size(ByteWindow& window, std::uint64_t begin, const PcdHeader& header, const std::string& where) {
+  const std::uint64_t left = window.end() - begin;
+  const std::uint64_t stored = left / header.record_bytes;
   if (stored < header.points) {
     return fail(ErrorCode::kTruncated,
                 fmt::format("the header promises {} points of {} bytes, but only {} bytes follow it ({} points)",
-                            header.points, header.record_bytes, bytes.remaining(), stored),
+                            header.points, header.record_bytes, left, stored),
                 where);
   }
-  if (stored > header.points && !is_padding(bytes.rest().substr(header.points * header.record_bytes))) {
-    return fail(ErrorCode::kCountMismatch,
-                fmt::format("the header promises {} points of {} bytes, but {} bytes follow it ({} points)",
-                            header.points, header.record_bytes, bytes.remaining(), stored),
-                where);
-  }
-  PointColumns columns;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const PcdField& field = header.fields[header.xyz[axis]];
-    columns[axis] = {bytes.rest().data() + field.offset, header.record_bytes, field.type};
-  }
+  if (stored == header.points) return {};
+  const auto padded = is_padding_from(window, begin + header.points * header.record_bytes);
+  if (!padded) return pass_up(padded.error());
+  if (*padded) return {};
+  return fail(ErrorCode::kCountMismatch,
+              fmt::format("the header promises {} points of {} bytes, but {} bytes follow it ({} points)",
+                          header.points, header.record_bytes, left, stored),
+              where);
+}
+
+// \param begin  where the window's first record lies
+Expected<PointCloud> read_binary(ByteWindow& window, std::uint64_t begin, const PcdHeader& header,
+                                 const std::string& where) {
+  if (auto fits = check_size(window, begin, header, where); !fits) return pass_up(fits.error());
   PointCloud cloud;
-  add_points(cloud, header.points, columns, std::endian::little);
+  reserve_points(cloud, static_cast<std::size_t>(header.points));
+  const std::uint64_t at_once = std::max<std::uint64_t>(1, kBlockBytes / header.record_bytes);
+  for (std::uint64_t done = 0; done < header.points;) {
+    const std::uint64_t here = std::min(at_once, header.points - done);
+    const auto records = window.look(begin + done * header.record_bytes, here * header.record_bytes);
+    if (!records) return pass_up(records.error());
+    PointColumns columns;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const PcdField& field = header.fields[header.xyz[axis]];
+      columns[axis] = {records->data() + field.offset, header.record_bytes, field.type};
+    }
+    add_points(cloud, static_cast<std::size_t>(here), columns, std::endian::little);
+    done += here;
+  }
   return cloud;
 }
 
@@ -123,13 +157,36 @@ Expected<PointCloud> read_pcd(std::string_view bytes, const std::string& where) 
   switch (header->data) {
     case PcdData::kAscii:
       return read_ascii(cursor, *header, where);
-    case PcdData::kBinary:
-      return read_binary(cursor, *header, where);
+    case PcdData::kBinary: {
+      ByteWindow window(cursor.rest(), where);
+      return read_binary(window, 0, *header, where);
+    }
     case PcdData::kBinaryCompressed:
       if (header->points == 0) return PointCloud{};  // writers differ in what they put after it
       return read_compressed(cursor, *header, where);
   }
   return PointCloud{};
+}
+
+Expected<PointCloud> read_pcd_file(const std::filesystem::path& path) {
+  constexpr std::uint64_t kHead = 8192;  // headers are a few hundred bytes
+  const Expected<RandomAccessFile> file = RandomAccessFile::open(path);
+  if (!file) return pass_up(file.error());
+  const std::string where = shown(path);
+  if (file->size() > kHead && file->size() <= kMaxFileBytes) {
+    const Expected<ByteBuffer> head = file->read(0, kHead);
+    if (!head) return pass_up(head.error());
+    const std::string_view text = without_byte_order_mark(head->view());
+    ByteCursor cursor(text);
+    const Expected<PcdHeader> header = read_pcd_header(cursor, where);
+    if (header && header->data == PcdData::kBinary) {
+      ByteWindow window(*file, 0, file->size());
+      return read_binary(window, head->size() - text.size() + cursor.position(), *header, where);
+    }
+  }
+  const Expected<ByteBuffer> bytes = read_file(path);
+  if (!bytes) return pass_up(bytes.error());
+  return read_pcd(bytes->view(), where);
 }
 
 }  // namespace kilter

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <string_view>
 
@@ -20,5 +21,9 @@ namespace kilter {
 /// the compressed size, which is all that LZF can hold. Bytes behind compressed data are ignored; behind plain data, a
 /// whole record too many is kCountMismatch, unless it is all zeros: some writers pad.
 [[nodiscard]] Expected<PointCloud> read_pcd(std::string_view bytes, const std::string& where);
+
+/// The same from a file. A binary one is not held whole: 128 kB of it at a time.
+/// \return  or besides what opening and reading it fails with.
+[[nodiscard]] Expected<PointCloud> read_pcd_file(const std::filesystem::path& path);
 
 }  // namespace kilter

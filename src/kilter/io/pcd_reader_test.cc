@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "testing/cloud_bytes.h"
+#include "testing/temp_folder.h"
 
 namespace kilter {
 namespace {
@@ -258,6 +259,48 @@ TEST(ReadPcd, RefusesCompressedBlocksThatLie) {
   pcd.width = pcd.points = "357913941";  // 4 GiB less 4 bytes
   pcd.body = block(16, 4294967292U, bytes);
   expect_error(pcd, ErrorCode::kParse, "cannot hold");
+}
+
+// Long enough to be read in several blocks; point 20,000 is lost, and every 1000th lies too far.
+PcdBytes long_pcd(int points) {
+  PcdBytes pcd = {.fields = "intensity x y z", .size = "2 4 4 4", .type = "U F F F", .count = "1 1 1 1"};
+  pcd.width = pcd.points = std::to_string(points);
+  pcd.data = "binary";
+  pcd.body.clear();
+  for (int i = 0; i < points; ++i) {
+    const float x = i == 20'000 ? std::numeric_limits<float>::quiet_NaN() : 0.001F * static_cast<float>(i);
+    put<std::uint16_t>(pcd.body, 7);
+    put_all<float>(pcd.body, std::endian::little, x, -x, i % 1000 == 999 ? 1e30F : 2.0F);
+  }
+  return pcd;
+}
+
+TEST(ReadPcdFile, ReadsAFileInBlocksAsItWouldFromMemory) {
+  const kilter_testing::TempFolder folder;
+  const std::string bytes = "\xEF\xBB\xBF" + long_pcd(50'000).str();
+  const auto from_memory = read_pcd(bytes, "scan.pcd");
+  const auto from_file = read_pcd_file(folder.write("scan.pcd", bytes));
+  ASSERT_TRUE(from_memory && from_file);
+  EXPECT_EQ(from_file->points_m.size(), 49'949U);
+  EXPECT_EQ(from_file->dropped_nonfinite, 1U);
+  EXPECT_EQ(from_file->dropped_far, 50U);
+  EXPECT_EQ(from_file->points_m, from_memory->points_m);
+  EXPECT_EQ(from_file->points_m[1], Eigen::Vector3f(0.001F, -0.001F, 2.0F));
+  EXPECT_EQ(from_file->points_m.back(), Eigen::Vector3f(0.001F * 49'998.0F, 0.001F * -49'998.0F, 2.0F));
+}
+
+TEST(ReadPcdFile, RefusesWhatItWouldRefuseFromMemory) {
+  const kilter_testing::TempFolder folder;
+  const std::string whole = long_pcd(50'000).str();
+  const std::string padded = whole + std::string(300'000, '\0');
+  EXPECT_TRUE(read_pcd_file(folder.write("scan.pcd", padded)));
+  for (const std::string& bytes : {whole.substr(0, whole.size() - 1), whole + whole.substr(0, 400), padded + "x"}) {
+    const auto file = folder.write("scan.pcd", bytes);
+    const auto from_memory = read_pcd(bytes, file.string());
+    const auto from_file = read_pcd_file(file);
+    ASSERT_FALSE(from_memory || from_file);
+    EXPECT_EQ(to_string(from_file.error()), to_string(from_memory.error()));
+  }
 }
 
 }  // namespace

@@ -17,12 +17,53 @@ float to_float(double value) {
   return static_cast<float>(value);
 }
 
-void add_float_points(PointCloud& cloud, std::size_t count, const PointColumns& columns) {
-  const auto [x, y, z] = columns;
+// Whether all numbers are finite and no farther than a point may be. Without a branch, so that it takes several at
+// once: floats of one sign order as their bits do, and NaN and infinity lie beyond all others.
+bool are_usable(const float* values, std::size_t count) {
+  constexpr auto kFarthest = std::bit_cast<std::int32_t>(PointCloud::kMaxCoordinate_m);
+  std::int32_t beyond = 0;
   for (std::size_t i = 0; i < count; ++i) {
-    cloud.add(load<float>(x.first + i * x.stride, std::endian::little),
-              load<float>(y.first + i * y.stride, std::endian::little),
-              load<float>(z.first + i * z.stride, std::endian::little));
+    const std::int32_t magnitude = std::bit_cast<std::int32_t>(values[i]) & 0x7FFFFFFF;
+    beyond |= static_cast<std::int32_t>(magnitude > kFarthest);
+  }
+  return beyond == 0;
+}
+
+void copy_floats(float* into, std::size_t count, const PointColumns& columns) {
+  const auto [x, y, z] = columns;
+  const bool is_packed = x.stride == 3 * sizeof(float) && y.first == x.first + 4 && z.first == x.first + 8 &&
+                         y.stride == x.stride && z.stride == x.stride && std::endian::native == std::endian::little;
+  if (is_packed) {
+    std::memcpy(into, x.first, count * 3 * sizeof(float));
+    return;
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    into[3 * i] = load<float>(x.first + i * x.stride, std::endian::little);
+    into[3 * i + 1] = load<float>(y.first + i * y.stride, std::endian::little);
+    into[3 * i + 2] = load<float>(z.first + i * z.stride, std::endian::little);
+  }
+}
+
+// Block by block: copied as if all were good, and only where one is not, again with care.
+void add_float_points(PointCloud& cloud, std::size_t count, const PointColumns& columns) {
+  constexpr std::size_t kBlock = 1024;
+  PointColumns rest = columns;
+  while (count > 0) {
+    const std::size_t here = std::min(count, kBlock);
+    const std::size_t before = cloud.points_m.size();
+    cloud.points_m.resize(before + here);
+    float* const block = cloud.points_m[before].data();
+    copy_floats(block, here, rest);
+    if (!are_usable(block, 3 * here)) {
+      cloud.points_m.resize(before);
+      for (std::size_t i = 0; i < here; ++i) {
+        cloud.add(load<float>(rest[0].first + i * rest[0].stride, std::endian::little),
+                  load<float>(rest[1].first + i * rest[1].stride, std::endian::little),
+                  load<float>(rest[2].first + i * rest[2].stride, std::endian::little));
+      }
+    }
+    for (CoordinateColumn& column : rest) column.first += here * column.stride;
+    count -= here;
   }
 }
 
@@ -78,9 +119,14 @@ void add_point(PointCloud& cloud, const std::array<double, 3>& point_m) {
   cloud.add(to_float(point_m[0]), to_float(point_m[1]), to_float(point_m[2]));
 }
 
-void add_points(PointCloud& cloud, std::size_t count, const PointColumns& columns, std::endian order) {
-  cloud.points_m.reserve(cloud.points_m.size() + count);
+void reserve_points(PointCloud& cloud, std::size_t count) {
+  if (count <= cloud.points_m.capacity()) return;
+  cloud.points_m.reserve(count);
   advise_large_pages(cloud.points_m.data(), cloud.points_m.capacity() * sizeof(Eigen::Vector3f));
+}
+
+void add_points(PointCloud& cloud, std::size_t count, const PointColumns& columns, std::endian order) {
+  reserve_points(cloud, cloud.points_m.size() + count);
   const bool floats = std::all_of(columns.begin(), columns.end(),
                                   [](const CoordinateColumn& c) { return c.type == ScalarType::kFloat32; });
   // The common case by far, kept free of the switch over types.

@@ -48,6 +48,9 @@ using PointColumns = std::array<CoordinateColumn, 3>;
 /// Adds one point given as doubles; what no float can hold is counted as far.
 void add_point(PointCloud& cloud, const std::array<double, 3>& point_m);
 
+/// Makes room for `count` points in all. \pre so many are justified by bytes that are there.
+void reserve_points(PointCloud& cloud, std::size_t count);
+
 /// Adds `count` points. \pre all bytes that the columns span have been checked to be there, so that room for `count`
 /// points is justified by the data. O(count).
 void add_points(PointCloud& cloud, std::size_t count, const PointColumns& columns, std::endian order);
