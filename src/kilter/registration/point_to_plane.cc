@@ -25,6 +25,8 @@ constexpr double kSmallTurn_rad = 1e-4;
 constexpr double kSupportVoxels = 0.25;  // this near its plane a point supports the pose
 constexpr double kBendCell_m = 2.0;
 constexpr std::size_t kFewestResiduals = 40;
+constexpr int kHoldRounds = 3;
+constexpr double kSlidVoxels = 0.25;  // a motion this small along a free direction is not worth another descent
 constexpr std::size_t kAllPoints = 1U << 31;
 // The wide search.
 constexpr int kWideStarts = 6;
@@ -208,32 +210,84 @@ Descent descend(Pair& pair, const Pose3& start, const RegistrationOptions& optio
   return descent;
 }
 
+// All correspondences at a pose, robustly weighted, and what they fix.
+struct Look {
+  std::vector<PlaneResidual> residuals;
+  NormalEquations equations;
+  ObservableSplit split;
+  std::size_t supporting = 0;  // residuals below kSupportVoxels
+};
+
+Look look_at(Pair& pair, const Pose3& T_target_source, const RegistrationOptions& options) {
+  const double resolution_m = pair.target_map().resolution_m();
+  Look look;
+  look.residuals = match_planes(pair, T_target_source, final_search_m(pair.target_map(), options), kAllPoints);
+  look.supporting = count_below(look.residuals, kSupportVoxels * resolution_m);
+  if (look.residuals.empty()) return look;
+  apply_kernel(look.residuals, kFinalKernelVoxels * resolution_m);
+  look.equations = build_normal_equations(look.residuals);
+  look.split = split_observable(look.equations);
+  return look;
+}
+
+// The part of the motion from the start to T that lies along directions which nothing fixes there, as (v, w) about the
+// centre.
+Vector6 free_motion(const Pose3& start, const Pose3& T, const Look& look) {
+  const Pose3 moved = T * start.inverse();
+  Vector6 motion;
+  motion.head<3>() = look.equations.centre_m - moved.inverse() * look.equations.centre_m;
+  motion.tail<3>() = moved.log().tail<3>();
+  const auto free = look.split.directions.leftCols(look.split.unobservable);
+  return look.equations.unscale * (free * (free.transpose() * look.equations.unscale.inverse() * motion));
+}
+
+// A pose found along a direction that nothing fixes is where the search happened to stop: coarse levels and the wide
+// search slide along corridors to wherever most overlaps. Such a direction is taken back to the start, and the others
+// settle again there, until nothing of the motion is left along what is free.
+Look hold_free_directions(Pair& pair, const Pose3& start, const RegistrationOptions& options, Descent& descent) {
+  const double resolution_m = pair.target_map().resolution_m();
+  RegistrationOptions close = options;
+  close.search_distance_m = std::min(options.search_distance_m, kCloseSearchVoxels * resolution_m);
+  Look look = look_at(pair, descent.T, options);
+  for (int round = 0; round < kHoldRounds && look.split.unobservable > 0; ++round) {
+    const Vector6 slid = free_motion(start, descent.T, look);
+    if ((look.equations.unscale.inverse() * slid).norm() < kSlidVoxels * resolution_m) break;
+    const int before = descent.iterations;
+    descent = descend(pair, motion_about(look.equations.centre_m, -slid) * descent.T, close, kWideRefinement_m);
+    descent.iterations += before;
+    if (descent.stop != StopReason::kConverged && descent.stop != StopReason::kMaxIterations) break;
+    look = look_at(pair, descent.T, options);
+  }
+  return look;
+}
+
 // Judges where a descent ended on all voxels.
-RegistrationResult finish(Pair& pair, const Pose3& start, const Descent& descent, const RegistrationOptions& options,
+RegistrationResult finish(Pair& pair, const Pose3& start, Descent descent, const RegistrationOptions& options,
                           const RegistrationPrior& prior) {
   RegistrationResult result;
   result.T_target_source = start;
+  const auto ended = [](const Descent& some) {
+    return some.stop == StopReason::kConverged || some.stop == StopReason::kMaxIterations;
+  };
+  Look look;
+  if (ended(descent)) look = hold_free_directions(pair, start, options, descent);
   result.iterations = descent.iterations;
   result.stop = descent.stop;
-  if (descent.stop != StopReason::kConverged && descent.stop != StopReason::kMaxIterations) return result;
+  if (!ended(descent)) return result;
   const double resolution_m = pair.target_map().resolution_m();
-  const double search_m = final_search_m(pair.target_map(), options);
-  std::vector<PlaneResidual> residuals = match_planes(pair, descent.T, search_m, kAllPoints);
-  result.matches = residuals.size() / 2;
-  result.support_end = count_below(residuals, kSupportVoxels * resolution_m);
-  result.support_start = count_below(match_planes(pair, start, search_m, kAllPoints), kSupportVoxels * resolution_m);
+  result.matches = look.residuals.size() / 2;
+  result.support_end = look.supporting;
+  result.support_start = count_below(match_planes(pair, start, final_search_m(pair.target_map(), options), kAllPoints),
+                                     kSupportVoxels * resolution_m);
   if (result.matches < static_cast<std::size_t>(options.min_matches)) {
     result.stop = StopReason::kTooFewMatches;
     return result;
   }
   result.bend = measure_bend(match_planes(pair, descent.T, options.search_distance_m, kAllPoints), kBendCell_m);
-  apply_kernel(residuals, kFinalKernelVoxels * resolution_m);
-  const NormalEquations equations = build_normal_equations(residuals);
-  const ObservableSplit split = split_observable(equations);
   result.T_target_source = descent.T;
-  result.residual_rms_m = std::sqrt(equations.squares_m2 / equations.weight);
+  result.residual_rms_m = std::sqrt(look.equations.squares_m2 / look.equations.weight);
   // Centroids of voxels sit within a tenth of a voxel of the surface they stand for.
-  describe_uncertainty(residuals, equations, split, 0.05 * resolution_m, prior, result);
+  describe_uncertainty(look.residuals, look.equations, look.split, 0.05 * resolution_m, prior, result);
   return result;
 }
 

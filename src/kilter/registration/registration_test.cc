@@ -129,6 +129,26 @@ TEST(AlignSubmaps, CorridorAxisIsReportedAndHeldAtTheStart) {
   EXPECT_GT(std::sqrt(result.covariance(0, 0)), 0.5);  // the prior's, not a claim
 }
 
+// Along a corridor every pose fits; the wide search would take the one that overlaps most.
+TEST(AlignWidely, DoesNotClaimAMoveAlongACorridor) {
+  const auto scene = testing::bare_corridor();
+  const std::vector<Pose3> first = {pose_at(0.03, 0.02, 1.04, 0.0), pose_at(2.03, 0.12, 1.04, 0.0)};
+  const std::vector<Pose3> second = {pose_at(5.03, -0.22, 1.04, 0.0), pose_at(7.03, 0.12, 1.04, 0.0)};
+  const SubmapPair pair{submap_of(scene, first, first[0], 1), submap_of(scene, second, second[0], 2),
+                        first[0].inverse() * second[0]};
+  for (const double along_m : {0.0, 2.0}) {
+    const Pose3 start = pose_at(along_m, 0.5, 0.0, 0.05) * pair.T_target_source;
+    const RegistrationResult result = run_widely(pair, start);
+    ASSERT_TRUE(result.converged()) << to_string(result.stop);
+    ASSERT_EQ(result.unobservable.size(), 1U);
+    const Pose3 moved = result.T_target_source * start.inverse();
+    const Eigen::Vector3d shift_m = result.centre_target_m - moved.inverse() * result.centre_target_m;
+    EXPECT_NEAR(shift_m.dot(result.unobservable[0].head<3>()), 0.0, 0.03) << along_m;
+    const Pose3 error = result.T_target_source * pair.T_target_source.inverse();
+    EXPECT_NEAR((error * result.centre_target_m - result.centre_target_m).y(), 0.0, 0.02) << along_m;
+  }
+}
+
 TEST(AlignSubmaps, FailuresSayWhy) {
   const SubmapPair pair = room_pair();
   const RegistrationResult far =
