@@ -12,8 +12,11 @@ namespace kilter {
 namespace {
 
 // Normals fitted to 0.1 m voxels scatter by 5-8 degrees, so a direction that no surface faces still collects
-// sin^2(8 deg) = 0.02 of the weight.
-constexpr double kLeastShare = 0.02;
+// sin^2(8 deg) = 0.02 of the weight: three times as much is above doubt.
+constexpr double kEnoughShare = 0.06;
+// Below it, what residuals within 66 degrees of the motion add.
+constexpr double kFacingCosine = 0.4;
+constexpr double kLeastFacing = 0.001;
 
 // d residual / d (v, w) about the centre, target axes.
 Vector6 plain_jacobian(const PlaneResidual& r, const Eigen::Vector3d& centre_m) {
@@ -47,6 +50,32 @@ Matrix6 observable_inverse(const NormalEquations& equations, const ObservableSpl
   return inverse;
 }
 
+// Which of the 26 directions of a cell's neighbours a normal is nearest to.
+int facing_of(const Eigen::Vector3d& normal) {
+  constexpr double kTangent = 0.41421356237309503;  // of 22.5 degrees: half way between an axis and a diagonal
+  const double least = kTangent * normal.cwiseAbs().maxCoeff();
+  int facing = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    facing = 3 * facing + (normal[axis] > least ? 2 : normal[axis] < -least ? 0 : 1);
+  }
+  return facing;
+}
+
+// What the residuals that face the motion along a unit direction of the scaled unknowns add to its share.
+double facing_share(std::span<const PlaneResidual> residuals, const NormalEquations& equations,
+                    const Vector6& direction) {
+  const Vector6 motion = equations.unscale * direction;
+  const Eigen::Vector3d shift = motion.head<3>();
+  const Eigen::Vector3d turn = motion.tail<3>();
+  double sum = 0.0;
+  for (const PlaneResidual& r : residuals) {
+    const Eigen::Vector3d moved = shift + turn.cross(r.point_m - equations.centre_m);
+    const double along = r.direction.dot(moved);
+    if (std::abs(along) >= kFacingCosine * moved.norm()) sum += r.weight * along * along;
+  }
+  return sum / equations.weight;
+}
+
 }  // namespace
 
 NormalEquations build_normal_equations(std::span<const PlaneResidual> residuals) {
@@ -76,7 +105,7 @@ NormalEquations build_normal_equations(std::span<const PlaneResidual> residuals)
   return equations;
 }
 
-ObservableSplit split_observable(const NormalEquations& equations) {
+ObservableSplit split_observable(const NormalEquations& equations, std::span<const PlaneResidual> residuals) {
   ObservableSplit split;
   if (!(equations.weight > 0.0)) {
     split.unobservable = 6;
@@ -86,7 +115,18 @@ ObservableSplit split_observable(const NormalEquations& equations) {
   const Eigen::SelfAdjointEigenSolver<Matrix6> solver(equations.information / equations.weight);
   split.shares = solver.eigenvalues();
   split.directions = solver.eigenvectors();
-  while (split.unobservable < 6 && split.shares[split.unobservable] < kLeastShare) ++split.unobservable;
+  split.facing = split.shares;
+  for (int k = 0; k < 6 && split.shares[k] < kEnoughShare; ++k) {
+    split.facing[k] = facing_share(residuals, equations, split.directions.col(k));
+    if (split.facing[k] >= kLeastFacing) continue;
+    // To the front, the others keep their order.
+    for (int j = k; j > split.unobservable; --j) {
+      std::swap(split.shares[j], split.shares[j - 1]);
+      std::swap(split.facing[j], split.facing[j - 1]);
+      split.directions.col(j).swap(split.directions.col(j - 1));
+    }
+    ++split.unobservable;
+  }
   return split;
 }
 
@@ -94,23 +134,30 @@ Vector6 solve_observable(const NormalEquations& equations, const ObservableSplit
   return -(equations.unscale * (observable_inverse(equations, split) * equations.gradient));
 }
 
-Matrix6 cluster_covariance(std::span<const PlaneResidual> residuals, const NormalEquations& equations,
-                           const ObservableSplit& split, double cell_m, double floor_m) {
-  std::map<std::array<int, 3>, Vector6> cells;
+Matrix6 patch_covariance(std::span<const PlaneResidual> residuals, const NormalEquations& equations,
+                         const ObservableSplit& split, double cell_m, double patch_sigma_m) {
+  struct Patch {
+    Vector6 gradient = Vector6::Zero();  // sum w J r
+    Vector6 pull = Vector6::Zero();      // sum w J: the gradient that a common offset of 1 m would make
+  };
+  std::map<std::array<int, 4>, Patch> patches;
   for (const PlaneResidual& r : residuals) {
-    const Eigen::Vector3i cell = (r.point_m / cell_m).array().floor().matrix().cast<int>();
-    auto [it, fresh] = cells.try_emplace({cell.z(), cell.y(), cell.x()}, Vector6::Zero());
-    it->second += r.weight * r.residual_m * jacobian(r, equations);
+    const Eigen::Vector3i cell = ((r.point_m - equations.centre_m) / cell_m).array().round().matrix().cast<int>();
+    Patch& patch = patches[{cell.z(), cell.y(), cell.x(), facing_of(r.direction)}];
+    const Vector6 pull = r.weight * jacobian(r, equations);
+    patch.pull += pull;
+    patch.gradient += r.residual_m * pull;
   }
   Matrix6 meat = Matrix6::Zero();
-  for (const auto& [cell, gradient] : cells) meat += gradient * gradient.transpose();
-  const double count = static_cast<double>(cells.size());
-  if (count > 6.0) meat *= count / (count - 6.0);  // six unknowns were fitted to these cells
-  const Matrix6 inverse = observable_inverse(equations, split);
-  Matrix6 covariance = inverse * meat * inverse.transpose();
-  for (int k = split.unobservable; k < 6; ++k) {
-    covariance += floor_m * floor_m * split.directions.col(k) * split.directions.col(k).transpose();
+  Matrix6 offsets = Matrix6::Zero();
+  for (const auto& [key, patch] : patches) {
+    meat += patch.gradient * patch.gradient.transpose();
+    offsets += patch.pull * patch.pull.transpose();
   }
+  const double count = static_cast<double>(patches.size());
+  if (count > 6.0) meat *= count / (count - 6.0);  // six unknowns were fitted to these patches
+  const Matrix6 inverse = observable_inverse(equations, split);
+  const Matrix6 covariance = inverse * (meat + patch_sigma_m * patch_sigma_m * offsets) * inverse.transpose();
   return equations.unscale * covariance * equations.unscale.transpose();
 }
 

@@ -34,22 +34,32 @@ struct NormalEquations {
 
 [[nodiscard]] NormalEquations build_normal_equations(std::span<const PlaneResidual> residuals);
 
-/// Eigenvectors of information / weight, split at a share that honest noise in the normals alone would give.
+/// Eigenvectors of information / weight, those that the scene does not fix first.
 struct ObservableSplit {
-  Vector6 shares = Vector6::Zero();  ///< eigenvalues, ascending; 1/3 each for translations of a cube
+  Vector6 shares = Vector6::Zero();  ///< eigenvalues; 1/3 each for translations of a cube
+  Vector6 facing = Vector6::Zero();  ///< the part of them from residuals that face the motion
   Matrix6 directions = Matrix6::Zero();
   int unobservable = 0;  ///< how many of the first columns are not fixed
 };
 
-[[nodiscard]] ObservableSplit split_observable(const NormalEquations& equations);
+/// A direction is fixed by surfaces that face its motion, few as they may be: the end wall of a corridor is a hundredth
+/// of what is seen there. What surfaces along the motion add to the information is noise of their normals, so only
+/// residuals whose normal lies within 66 degrees of the way that their point would move are counted (three standard
+/// deviations of a voxel's normal), and what they add has to exceed what clutter of all directions adds.
+[[nodiscard]] ObservableSplit split_observable(const NormalEquations& equations,
+                                               std::span<const PlaneResidual> residuals);
 
 /// The step (v [m], w [rad]) that solves the equations on the observable directions, zero along the others.
 [[nodiscard]] Vector6 solve_observable(const NormalEquations& equations, const ObservableSplit& split);
 
-/// Covariance of (v, w) about the centre, target axes, on the observable directions: sandwich estimate with residuals
-/// of one metre-sized cell taken as one observation (they share noise, lattice and plane), plus `floor_m` squared.
-[[nodiscard]] Matrix6 cluster_covariance(std::span<const PlaneResidual> residuals, const NormalEquations& equations,
-                                         const ObservableSplit& split, double cell_m, double floor_m);
+/// Covariance of (v, w) about the centre, target axes, on the observable directions. Residuals of one patch, that is
+/// of one cell of `cell_m` and one facing (the nearest of 26), are taken as one observation, in two ways that add up:
+///  - a sandwich over the patches' sums, for what shows in the residuals: noise, clutter, bends within reach;
+///  - `patch_sigma_m` for what does not: all voxels of a surface cut it at much the same height, and a patch so lies
+///    off as a whole; residuals of a fit that follows it are small all the same.
+/// So a direction that few surfaces fix is known less well than one that many do.
+[[nodiscard]] Matrix6 patch_covariance(std::span<const PlaneResidual> residuals, const NormalEquations& equations,
+                                       const ObservableSplit& split, double cell_m, double patch_sigma_m);
 
 /// What a prior of independent (v, w) leaves along the directions that the scene does not fix; zero elsewhere.
 [[nodiscard]] Matrix6 prior_covariance(const NormalEquations& equations, const ObservableSplit& split,

@@ -5,6 +5,8 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
+#include <array>
+#include <map>
 
 #include "kilter/base/rng.h"
 
@@ -31,7 +33,7 @@ TEST(NormalEquations, OneStepUndoesASmallMotion) {
   const Vector6 twist = (Vector6() << 0.01, -0.02, 0.015, 0.001, 0.002, -0.0015).finished();
   const auto residuals = box_residuals(Pose3::exp(twist), {true, true, true}, 0.0, 1);
   const NormalEquations equations = build_normal_equations(residuals);
-  const Vector6 step = solve_observable(equations, split_observable(equations));
+  const Vector6 step = solve_observable(equations, split_observable(equations, residuals));
   const Pose3 rest = motion_about(equations.centre_m, step) * Pose3::exp(twist);
   EXPECT_LT(rest.log().norm(), 1e-4);
 }
@@ -55,24 +57,83 @@ TEST(NormalEquations, InformationMatchesNumericalDerivatives) {
 TEST(SplitObservable, NamesTheDirectionThatNoFaceFixes) {
   const auto residuals = box_residuals({}, {false, true, true}, 0.01, 3);
   const NormalEquations equations = build_normal_equations(residuals);
-  const ObservableSplit split = split_observable(equations);
+  const ObservableSplit split = split_observable(equations, residuals);
   ASSERT_EQ(split.unobservable, 1);
   EXPECT_GT(std::abs((equations.unscale * split.directions.col(0))[0]), 0.99);
   const Vector6 step = solve_observable(equations, split);
   EXPECT_LT(std::abs(step[0]), 1e-3);
 }
 
-TEST(ClusterCovariance, IndependentNoiseGivesTheTextbookCovariance) {
+// A corridor along x: floor and walls whose normals scatter, and an end wall that few residuals see.
+std::vector<PlaneResidual> corridor_residuals(int end_wall, std::uint64_t seed) {
+  Rng rng(seed, 0);
+  std::vector<PlaneResidual> residuals;
+  for (int i = 0; i < 6000; ++i) {
+    const int axis = 1 + i % 2;
+    Eigen::Vector3d point(rng.uniform(-10, 10), rng.uniform(-1.5, 1.5), rng.uniform(-1.5, 1.5));
+    point[axis] = i % 4 < 2 ? 1.5 : -1.5;
+    Eigen::Vector3d normal = Eigen::Vector3d::Unit(axis);
+    normal += 0.12 * Eigen::Vector3d(rng.normal(), rng.normal(), rng.normal());
+    residuals.push_back({point, normal.normalized(), 0.0, 1.0});
+  }
+  for (int i = 0; i < end_wall; ++i) {
+    residuals.push_back({{10.0, rng.uniform(-1.5, 1.5), rng.uniform(-1.5, 1.5)}, Eigen::Vector3d::UnitX(), 0.1, 1.0});
+  }
+  return residuals;
+}
+
+TEST(SplitObservable, AFewVoxelsOfAnEndWallFixACorridor) {
+  const auto open = corridor_residuals(0, 6);
+  const NormalEquations along = build_normal_equations(open);
+  const ObservableSplit free = split_observable(along, open);
+  EXPECT_GT(free.shares[0], 0.005) << "normals scatter";
+  EXPECT_LT(free.facing[0], 0.001);
+  EXPECT_EQ(free.unobservable, 1);
+  const auto closed = corridor_residuals(60, 6);
+  const NormalEquations equations = build_normal_equations(closed);
+  const ObservableSplit fixed = split_observable(equations, closed);
+  EXPECT_EQ(fixed.unobservable, 0);
+  EXPECT_LT(solve_observable(equations, fixed)[0], -0.01) << "the wall stands 0.1 m off";
+}
+
+// Each wall of a box, cut by its lattice, lies off as a whole; no residual shows it.
+TEST(PatchCovariance, KnowsOffsetsThatAPatchHasAsAWhole) {
+  constexpr double kOffset_m = 0.01;
+  constexpr int kTrials = 300;
+  const auto plain = box_residuals({}, {true, true, true}, 0.0, 11);
+  const NormalEquations equations = build_normal_equations(plain);
+  const ObservableSplit split = split_observable(equations, plain);
+  const Matrix6 claimed = patch_covariance(plain, equations, split, 2.0, kOffset_m);
+  Rng rng(12, 0);
+  Vector6 empirical = Vector6::Zero();
+  for (int trial = 0; trial < kTrials; ++trial) {
+    std::map<std::array<int, 5>, double> offsets;
+    auto residuals = plain;
+    for (PlaneResidual& r : residuals) {
+      const Eigen::Vector3i cell = ((r.point_m - equations.centre_m) / 2.0).array().round().matrix().cast<int>();
+      int axis = 0;
+      r.direction.cwiseAbs().maxCoeff(&axis);
+      const auto [offset, fresh] =
+          offsets.try_emplace({cell.x(), cell.y(), cell.z(), axis, r.direction[axis] > 0.0 ? 1 : 0}, 0.0);
+      if (fresh) offset->second = kOffset_m * rng.normal();
+      r.residual_m = offset->second;
+    }
+    empirical += solve_observable(build_normal_equations(residuals), split).cwiseAbs2() / kTrials;
+  }
+  for (int k = 0; k < 6; ++k) EXPECT_NEAR(claimed(k, k) / empirical[k], 1.0, 0.35) << k;
+}
+
+TEST(PatchCovariance, IndependentNoiseGivesTheTextbookCovariance) {
   Eigen::Vector3d empirical = Eigen::Vector3d::Zero();
   Eigen::Vector3d claimed = Eigen::Vector3d::Zero();
   constexpr int kTrials = 200;
   for (int trial = 0; trial < kTrials; ++trial) {
     const auto residuals = box_residuals({}, {true, true, true}, 0.02, 100 + static_cast<std::uint64_t>(trial));
     const NormalEquations equations = build_normal_equations(residuals);
-    const ObservableSplit split = split_observable(equations);
+    const ObservableSplit split = split_observable(equations, residuals);
     const Vector6 step = solve_observable(equations, split);
     empirical += step.head<3>().cwiseAbs2() / kTrials;
-    claimed += cluster_covariance(residuals, equations, split, 1.0, 0.0).diagonal().head<3>() / kTrials;
+    claimed += patch_covariance(residuals, equations, split, 1.0, 0.0).diagonal().head<3>() / kTrials;
   }
   for (int axis = 0; axis < 3; ++axis) EXPECT_NEAR(claimed[axis] / empirical[axis], 1.0, 0.3);
 }
@@ -80,9 +141,9 @@ TEST(ClusterCovariance, IndependentNoiseGivesTheTextbookCovariance) {
 TEST(PriorCovariance, UnobservableDirectionsHoldThePrior) {
   const auto residuals = box_residuals({}, {false, true, true}, 0.01, 4);
   const NormalEquations equations = build_normal_equations(residuals);
-  const ObservableSplit split = split_observable(equations);
+  const ObservableSplit split = split_observable(equations, residuals);
   const Matrix6 covariance =
-      cluster_covariance(residuals, equations, split, 1.0, 0.005) + prior_covariance(equations, split, 0.7, 0.1);
+      patch_covariance(residuals, equations, split, 1.0, 0.005) + prior_covariance(equations, split, 0.7, 0.1);
   EXPECT_NEAR(std::sqrt(covariance(0, 0)), 0.7, 0.02);
   EXPECT_LT(std::sqrt(covariance(1, 1)), 0.02);
 }

@@ -8,6 +8,7 @@
 #include "kilter/matching/conflict.h"
 #include "kilter/registration/coarse_search.h"
 #include "kilter/registration/normal_equations.h"
+#include "kilter/registration/plane_matches.h"
 #include "kilter/registration/uncertainty.h"
 
 namespace kilter {
@@ -19,15 +20,17 @@ constexpr double kLevelSettled = 0.05;      // a step below this share of the se
 constexpr int kLevelIterations = 10;        // and so do this many steps
 constexpr double kKernelOfSearch = 0.5;     // kernel scale at least this share of the search distance, until the last
 constexpr double kFinalKernelVoxels = 0.5;  // level, where it is at least this many voxels
-constexpr double kLeastAgreement = 0.6;     // cosine between normals of matched voxels
 constexpr double kSmallStep_m = 1e-3;
 constexpr double kSmallTurn_rad = 1e-4;
 constexpr double kSupportVoxels = 0.25;  // this near its plane a point supports the pose
+constexpr double kPatchVoxels = 0.1;     // centroids sit within a tenth of a voxel of the surface they stand for
 constexpr double kBendCell_m = 2.0;
 constexpr std::size_t kFewestResiduals = 40;
+constexpr int kPolishSteps = 3;
+constexpr double kPolished_m = 1e-4;
+constexpr double kPolished_rad = 1e-5;
 constexpr int kHoldRounds = 3;
 constexpr double kSlidVoxels = 0.25;  // a motion this small along a free direction is not worth another descent
-constexpr std::size_t kAllPoints = 1U << 31;
 // The wide search.
 constexpr int kWideStarts = 6;
 constexpr int kWidePoints = 600;             // while descending from each of them
@@ -41,111 +44,6 @@ constexpr double kWideRefinement_m = 1.0;   // a coarse pose is good to a cell o
 constexpr double kMostRise_m = 1.0;         // vertically; lidar poses drift less in height
 constexpr double kDistinctVoxels = 5.0;     // optima nearer than this are one
 constexpr double kCloseSearchVoxels = 6.0;  // for the last descent, from the best
-
-struct Kernel {
-  double scale_m;
-
-  // Geman-McClure: residuals far beyond the scale stop pulling.
-  [[nodiscard]] double weight(double residual_m) const {
-    const double ratio = scale_m * scale_m / (scale_m * scale_m + residual_m * residual_m);
-    return ratio * ratio;
-  }
-};
-
-// Normals point towards the sensor where there was one; points alone leave the sign open.
-bool normals_agree(const Eigen::Vector3d& a, const Eigen::Vector3d& b, bool oriented) {
-  if (a.isZero()) return true;
-  const double cosine = a.dot(b);
-  return (oriented ? cosine : std::abs(cosine)) >= kLeastAgreement;
-}
-
-// The voxel that each point of one submap had nearest, the last time that it was asked for.
-using LastNearest = std::vector<std::uint32_t>;
-
-// A pair under many poses: what one look found out about the blocks of a submap, and which voxels were near, serves the
-// next.
-struct Pair {
-  const NearestVoxelSearch& source;
-  const NearestVoxelSearch& target;
-  NearestVoxelCursor in_source{source};
-  NearestVoxelCursor in_target{target};
-  LastNearest of_source{LastNearest(source.map().voxels().size(), NearestVoxelCursor::kNoVoxel)};
-  LastNearest of_target{LastNearest(target.map().voxels().size(), NearestVoxelCursor::kNoVoxel)};
-
-  [[nodiscard]] const VoxelMap& source_map() const { return source.map(); }
-  [[nodiscard]] const VoxelMap& target_map() const { return target.map(); }
-};
-
-// Points of `from` against the planes of `onto`, in the frame of `onto`.
-void match_one_way(const VoxelMap& from, const VoxelMap& onto, NearestVoxelCursor& in_onto, const Pose3& T_onto_from,
-                   double search_m, std::size_t stride, LastNearest& last, std::vector<PlaneResidual>& residuals) {
-  const SurfaceVoxels& points = from.voxels();
-  const SurfaceVoxels& planes = onto.voxels();
-  const bool oriented = from.has_free_space() && onto.has_free_space();
-  const Eigen::Isometry3d T = T_onto_from.isometry();
-  for (std::size_t i = 0; i < points.size(); i += stride) {
-    const Eigen::Vector3d point_m = T * points.centroids_m[i].cast<double>();
-    const std::optional<NearestVoxel> nearest = in_onto.nearest(point_m, search_m, last[i]);
-    if (!nearest) continue;
-    last[i] = nearest->voxel;
-    const Eigen::Vector3d normal = planes.normals[nearest->voxel].cast<double>();
-    if (normal.isZero()) continue;
-    if (!normals_agree(T.linear() * points.normals[i].cast<double>(), normal, oriented)) continue;
-    const double residual_m = normal.dot(point_m - planes.centroids_m[nearest->voxel].cast<double>());
-    residuals.push_back({point_m, normal, residual_m, static_cast<double>(planes.planarity[nearest->voxel])});
-  }
-}
-
-// Both ways, so that it does not matter which of the two is called the source. A target point q lies off a source
-// plane by (R n) . (q - T c); moving the source moves that plane, hence the turned direction.
-struct Strides {
-  std::size_t source = 1;
-  std::size_t target = 1;
-};
-
-std::vector<PlaneResidual> match_both_ways(Pair& pair, const Pose3& T_target_source, double search_m,
-                                           const Strides& strides) {
-  std::vector<PlaneResidual> residuals;
-  match_one_way(pair.source_map(), pair.target_map(), pair.in_target, T_target_source, search_m, strides.source,
-                pair.of_source, residuals);
-  const std::size_t forward = residuals.size();
-  match_one_way(pair.target_map(), pair.source_map(), pair.in_source, T_target_source.inverse(), search_m,
-                strides.target, pair.of_target, residuals);
-  const Eigen::Isometry3d T = T_target_source.isometry();
-  for (std::size_t i = forward; i < residuals.size(); ++i) {
-    residuals[i].point_m = T * residuals[i].point_m;
-    residuals[i].direction = -(T.linear() * residuals[i].direction);
-  }
-  return residuals;
-}
-
-// About max_points of each.
-std::vector<PlaneResidual> match_planes(Pair& pair, const Pose3& T_target_source, double search_m,
-                                        std::size_t max_points) {
-  const auto stride = [&](const VoxelMap& of) { return std::max<std::size_t>(1, of.voxels().size() / max_points); };
-  return match_both_ways(pair, T_target_source, search_m, {stride(pair.source_map()), stride(pair.target_map())});
-}
-
-std::vector<PlaneResidual> match_every(Pair& pair, const Pose3& T_target_source, double search_m, std::size_t stride) {
-  return match_both_ways(pair, T_target_source, search_m, {stride, stride});
-}
-
-double median_absolute_m(const std::vector<PlaneResidual>& residuals) {
-  std::vector<double> sizes(residuals.size());
-  std::transform(residuals.begin(), residuals.end(), sizes.begin(),
-                 [](const PlaneResidual& r) { return std::abs(r.residual_m); });
-  const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
-  std::nth_element(sizes.begin(), middle, sizes.end());
-  return *middle;
-}
-
-// Robust weights on top of planarity. The scale follows the residuals' own spread but never falls below `least_m`:
-// where floor and ceiling are most of the scene they fit whatever the walls say, and a scale taken from them alone
-// would cut the walls off before they could pull.
-void apply_kernel(std::vector<PlaneResidual>& residuals, double least_m) {
-  const Kernel kernel{std::max(2.0 * 1.4826 * median_absolute_m(residuals), least_m)};
-  for (PlaneResidual& r : residuals) r.weight *= kernel.weight(r.residual_m);
-}
 
 bool out_of_range(const Pose3& start, const Pose3& now, const Eigen::Vector3d& centre_target_m, double range_m,
                   double max_rotation_rad) {
@@ -166,7 +64,7 @@ double final_search_m(const VoxelMap& target, const RegistrationOptions& options
 }
 
 // From the start into the nearest optimum, at most range_m away.
-Descent descend(Pair& pair, const Pose3& start, const RegistrationOptions& options, double range_m) {
+Descent descend(PlanePair& pair, const Pose3& start, const RegistrationOptions& options, double range_m) {
   const auto max_points = static_cast<std::size_t>(options.max_points);
   // How many voxels one residual stands for: the gate counts voxels, of either submap.
   const double per_residual =
@@ -189,7 +87,7 @@ Descent descend(Pair& pair, const Pose3& start, const RegistrationOptions& optio
     if (!enough(residuals.size())) return descent;
     apply_kernel(residuals, last_level ? final_kernel_m : kKernelOfSearch * search_m);
     const NormalEquations equations = build_normal_equations(residuals);
-    const ObservableSplit split = split_observable(equations);
+    const ObservableSplit split = split_observable(equations, residuals);
     if (split.unobservable == 6) {
       descent.stop = StopReason::kDegenerate;
       return descent;
@@ -218,7 +116,7 @@ struct Look {
   std::size_t supporting = 0;  // residuals below kSupportVoxels
 };
 
-Look look_at(Pair& pair, const Pose3& T_target_source, const RegistrationOptions& options) {
+Look look_at(PlanePair& pair, const Pose3& T_target_source, const RegistrationOptions& options) {
   const double resolution_m = pair.target_map().resolution_m();
   Look look;
   look.residuals = match_planes(pair, T_target_source, final_search_m(pair.target_map(), options), kAllPoints);
@@ -226,7 +124,7 @@ Look look_at(Pair& pair, const Pose3& T_target_source, const RegistrationOptions
   if (look.residuals.empty()) return look;
   apply_kernel(look.residuals, kFinalKernelVoxels * resolution_m);
   look.equations = build_normal_equations(look.residuals);
-  look.split = split_observable(look.equations);
+  look.split = split_observable(look.equations, look.residuals);
   return look;
 }
 
@@ -244,7 +142,7 @@ Vector6 free_motion(const Pose3& start, const Pose3& T, const Look& look) {
 // A pose found along a direction that nothing fixes is where the search happened to stop: coarse levels and the wide
 // search slide along corridors to wherever most overlaps. Such a direction is taken back to the start, and the others
 // settle again there, until nothing of the motion is left along what is free.
-Look hold_free_directions(Pair& pair, const Pose3& start, const RegistrationOptions& options, Descent& descent) {
+Look hold_free_directions(PlanePair& pair, const Pose3& start, const RegistrationOptions& options, Descent& descent) {
   const double resolution_m = pair.target_map().resolution_m();
   RegistrationOptions close = options;
   close.search_distance_m = std::min(options.search_distance_m, kCloseSearchVoxels * resolution_m);
@@ -261,8 +159,19 @@ Look hold_free_directions(Pair& pair, const Pose3& start, const RegistrationOpti
   return look;
 }
 
+// The descent looks at a part of the voxels; all of them tell better. \return the look at the pose that they end at.
+Look polish(PlanePair& pair, const RegistrationOptions& options, Look look, Pose3& T_target_source) {
+  for (int k = 0; k < kPolishSteps && look.split.unobservable < 6; ++k) {
+    const Vector6 step = solve_observable(look.equations, look.split);
+    T_target_source = motion_about(look.equations.centre_m, step) * T_target_source;
+    look = look_at(pair, T_target_source, options);
+    if (step.head<3>().norm() < kPolished_m && step.tail<3>().norm() < kPolished_rad) break;
+  }
+  return look;
+}
+
 // Judges where a descent ended on all voxels.
-RegistrationResult finish(Pair& pair, const Pose3& start, Descent descent, const RegistrationOptions& options,
+RegistrationResult finish(PlanePair& pair, const Pose3& start, Descent descent, const RegistrationOptions& options,
                           const RegistrationPrior& prior) {
   RegistrationResult result;
   result.T_target_source = start;
@@ -271,6 +180,7 @@ RegistrationResult finish(Pair& pair, const Pose3& start, Descent descent, const
   };
   Look look;
   if (ended(descent)) look = hold_free_directions(pair, start, options, descent);
+  if (ended(descent) && !look.residuals.empty()) look = polish(pair, options, std::move(look), descent.T);
   result.iterations = descent.iterations;
   result.stop = descent.stop;
   if (!ended(descent)) return result;
@@ -286,8 +196,7 @@ RegistrationResult finish(Pair& pair, const Pose3& start, Descent descent, const
   result.bend = measure_bend(match_planes(pair, descent.T, options.search_distance_m, kAllPoints), kBendCell_m);
   result.T_target_source = descent.T;
   result.residual_rms_m = std::sqrt(look.equations.squares_m2 / look.equations.weight);
-  // Centroids of voxels sit within a tenth of a voxel of the surface they stand for.
-  describe_uncertainty(look.residuals, look.equations, look.split, 0.05 * resolution_m, prior, result);
+  describe_uncertainty(look.residuals, look.equations, look.split, kPatchVoxels * resolution_m, prior, result);
   return result;
 }
 
@@ -299,7 +208,7 @@ struct Optimum {
   double worth = 0.0;
 };
 
-Optimum judged(Pair& pair, const Descent& descent, const RegistrationOptions& options) {
+Optimum judged(PlanePair& pair, const Descent& descent, const RegistrationOptions& options) {
   const double resolution_m = pair.target_map().resolution_m();
   const std::size_t larger = std::max(pair.source_map().voxels().size(), pair.target_map().voxels().size());
   const std::size_t stride = std::max<std::size_t>(1, larger / kJudgedVoxels);
@@ -331,14 +240,14 @@ double apart_m(const VoxelMap& source, const Pose3& a, const Pose3& b) {
 RegistrationResult align_point_to_plane(const NearestVoxelSearch& source, const NearestVoxelSearch& target,
                                         const Pose3& start, const RegistrationOptions& options,
                                         const RegistrationPrior& prior) {
-  Pair pair{source, target};
+  PlanePair pair{source, target};
   const Descent descent = descend(pair, start, options, prior.translation_m + options.search_distance_m);
   return finish(pair, start, descent, options, prior);
 }
 
 RegistrationResult align_widely(const NearestVoxelSearch& source, const NearestVoxelSearch& target, const Pose3& start,
                                 const RegistrationOptions& options, const RegistrationPrior& prior) {
-  Pair pair{source, target};
+  PlanePair pair{source, target};
   const double resolution_m = target.map().resolution_m();
   const double reach_m = std::max(options.wide_translation_m, prior.translation_m);
   const CoarseSearchRange range{reach_m, std::min(reach_m, kMostRise_m), options.max_rotation_rad};
@@ -387,7 +296,7 @@ RegistrationResult align_widely(const NearestVoxelSearch& source, const NearestV
 
 RegistrationResult align_near(const NearestVoxelSearch& source, const NearestVoxelSearch& target, const Pose3& start,
                               const Pose3& guess, const RegistrationOptions& options, const RegistrationPrior& prior) {
-  Pair pair{source, target};
+  PlanePair pair{source, target};
   const Descent descent = descend(pair, guess, options, kWideRefinement_m);
   RegistrationResult result = finish(pair, start, descent, options, prior);
   result.searched = true;

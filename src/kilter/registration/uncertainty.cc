@@ -5,17 +5,17 @@
 namespace kilter {
 namespace {
 
-// Residuals within a metre share lattice, plane and view: they count as one observation.
-constexpr double kCell_m = 1.0;
+// Residuals of one facing this near each other share surface, lattice and view: they count as one observation.
+constexpr double kPatch_m = 2.0;
 
 }  // namespace
 
 void describe_uncertainty(std::span<const PlaneResidual> residuals, const NormalEquations& equations,
-                          const ObservableSplit& split, double floor_m, const RegistrationPrior& prior,
+                          const ObservableSplit& split, double patch_sigma_m, const RegistrationPrior& prior,
                           RegistrationResult& result) {
   result.centre_target_m = equations.centre_m;
   result.scatter_m2 = scatter_about(residuals, equations.centre_m);
-  result.covariance_measured = cluster_covariance(residuals, equations, split, kCell_m, floor_m);
+  result.covariance_measured = patch_covariance(residuals, equations, split, kPatch_m, patch_sigma_m);
   result.covariance_centre =
       result.covariance_measured + prior_covariance(equations, split, prior.translation_m, prior.rotation_rad);
   result.covariance = covariance_in_source(result.covariance_centre, equations.centre_m, result.T_target_source);

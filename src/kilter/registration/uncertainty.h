@@ -10,9 +10,10 @@
 namespace kilter {
 
 /// Fills in what a finished registration says about itself: centre and scatter of the matched voxels, covariances,
-/// unobservable directions. `result.T_target_source` must be set. `floor_m` is an error no averaging removes. [m]
+/// unobservable directions. `result.T_target_source` must be set. `patch_sigma_m` is how far a
+/// patch of surface may lie off as a whole. [m]
 void describe_uncertainty(std::span<const PlaneResidual> residuals, const NormalEquations& equations,
-                          const ObservableSplit& split, double floor_m, const RegistrationPrior& prior,
+                          const ObservableSplit& split, double patch_sigma_m, const RegistrationPrior& prior,
                           RegistrationResult& result);
 
 }  // namespace kilter

@@ -1,0 +1,101 @@
+// SPDX-FileCopyrightText: The kilter authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "kilter/registration/plane_matches.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+namespace kilter {
+namespace {
+
+constexpr double kLeastAgreement = 0.6;  // cosine between normals of matched voxels
+
+struct Kernel {
+  double scale_m;
+
+  // Geman-McClure: residuals far beyond the scale stop pulling.
+  [[nodiscard]] double weight(double residual_m) const {
+    const double ratio = scale_m * scale_m / (scale_m * scale_m + residual_m * residual_m);
+    return ratio * ratio;
+  }
+};
+
+// Normals point towards the sensor where there was one; points alone leave the sign open.
+bool normals_agree(const Eigen::Vector3d& a, const Eigen::Vector3d& b, bool oriented) {
+  if (a.isZero()) return true;
+  const double cosine = a.dot(b);
+  return (oriented ? cosine : std::abs(cosine)) >= kLeastAgreement;
+}
+
+// Points of `from` against the planes of `onto`, in the frame of `onto`.
+void match_one_way(const VoxelMap& from, const VoxelMap& onto, NearestVoxelCursor& in_onto, const Pose3& T_onto_from,
+                   double search_m, std::size_t stride, LastNearest& last, std::vector<PlaneResidual>& residuals) {
+  const SurfaceVoxels& points = from.voxels();
+  const SurfaceVoxels& planes = onto.voxels();
+  const bool oriented = from.has_free_space() && onto.has_free_space();
+  const Eigen::Isometry3d T = T_onto_from.isometry();
+  for (std::size_t i = 0; i < points.size(); i += stride) {
+    const Eigen::Vector3d point_m = T * points.centroids_m[i].cast<double>();
+    const std::optional<NearestVoxel> nearest = in_onto.nearest(point_m, search_m, last[i]);
+    if (!nearest) continue;
+    last[i] = nearest->voxel;
+    const Eigen::Vector3d normal = planes.normals[nearest->voxel].cast<double>();
+    if (normal.isZero()) continue;
+    if (!normals_agree(T.linear() * points.normals[i].cast<double>(), normal, oriented)) continue;
+    const double residual_m = normal.dot(point_m - planes.centroids_m[nearest->voxel].cast<double>());
+    residuals.push_back({point_m, normal, residual_m, static_cast<double>(planes.planarity[nearest->voxel])});
+  }
+}
+
+// Both ways, so that it does not matter which of the two is called the source. A target point q lies off a source
+// plane by (R n) . (q - T c); moving the source moves that plane, hence the turned direction.
+struct Strides {
+  std::size_t source = 1;
+  std::size_t target = 1;
+};
+
+std::vector<PlaneResidual> match_both_ways(PlanePair& pair, const Pose3& T_target_source, double search_m,
+                                           const Strides& strides) {
+  std::vector<PlaneResidual> residuals;
+  match_one_way(pair.source_map(), pair.target_map(), pair.in_target, T_target_source, search_m, strides.source,
+                pair.of_source, residuals);
+  const std::size_t forward = residuals.size();
+  match_one_way(pair.target_map(), pair.source_map(), pair.in_source, T_target_source.inverse(), search_m,
+                strides.target, pair.of_target, residuals);
+  const Eigen::Isometry3d T = T_target_source.isometry();
+  for (std::size_t i = forward; i < residuals.size(); ++i) {
+    residuals[i].point_m = T * residuals[i].point_m;
+    residuals[i].direction = -(T.linear() * residuals[i].direction);
+  }
+  return residuals;
+}
+
+double median_absolute_m(const std::vector<PlaneResidual>& residuals) {
+  std::vector<double> sizes(residuals.size());
+  std::transform(residuals.begin(), residuals.end(), sizes.begin(),
+                 [](const PlaneResidual& r) { return std::abs(r.residual_m); });
+  const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
+  std::nth_element(sizes.begin(), middle, sizes.end());
+  return *middle;
+}
+
+}  // namespace
+
+std::vector<PlaneResidual> match_planes(PlanePair& pair, const Pose3& T_target_source, double search_m,
+                                        std::size_t max_points) {
+  const auto stride = [&](const VoxelMap& of) { return std::max<std::size_t>(1, of.voxels().size() / max_points); };
+  return match_both_ways(pair, T_target_source, search_m, {stride(pair.source_map()), stride(pair.target_map())});
+}
+
+std::vector<PlaneResidual> match_every(PlanePair& pair, const Pose3& T_target_source, double search_m,
+                                       std::size_t stride) {
+  return match_both_ways(pair, T_target_source, search_m, {stride, stride});
+}
+
+void apply_kernel(std::vector<PlaneResidual>& residuals, double least_m) {
+  const Kernel kernel{std::max(2.0 * 1.4826 * median_absolute_m(residuals), least_m)};
+  for (PlaneResidual& r : residuals) r.weight *= kernel.weight(r.residual_m);
+}
+
+}  // namespace kilter

@@ -1,0 +1,48 @@
+// SPDX-FileCopyrightText: The kilter authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "kilter/matching/nearest_voxel.h"
+#include "kilter/registration/normal_equations.h"
+
+namespace kilter {
+
+/// The voxel that each point of one submap had nearest, the last time that it was asked for.
+using LastNearest = std::vector<std::uint32_t>;
+
+/// Two submaps under many poses: what one look found out about the blocks of a submap, and which voxels were near,
+/// serves the next.
+struct PlanePair {
+  const NearestVoxelSearch& source;
+  const NearestVoxelSearch& target;
+  NearestVoxelCursor in_source{source};
+  NearestVoxelCursor in_target{target};
+  LastNearest of_source{LastNearest(source.map().voxels().size(), NearestVoxelCursor::kNoVoxel)};
+  LastNearest of_target{LastNearest(target.map().voxels().size(), NearestVoxelCursor::kNoVoxel)};
+
+  [[nodiscard]] const VoxelMap& source_map() const { return source.map(); }
+  [[nodiscard]] const VoxelMap& target_map() const { return target.map(); }
+};
+
+inline constexpr std::size_t kAllPoints = 1U << 31;
+
+/// Centroids of about `max_points` voxels of each submap against the planes through the other's, at most `search_m`
+/// away, normals within 53 degrees; both ways, so that it does not matter which of the two is called the source.
+/// Weights are the planes' planarity. Target frame.
+[[nodiscard]] std::vector<PlaneResidual> match_planes(PlanePair& pair, const Pose3& T_target_source, double search_m,
+                                                      std::size_t max_points);
+
+/// The same, of every `stride`-th voxel of both.
+[[nodiscard]] std::vector<PlaneResidual> match_every(PlanePair& pair, const Pose3& T_target_source, double search_m,
+                                                     std::size_t stride);
+
+/// Robust weights on top of planarity, by a Geman-McClure kernel. The scale follows the residuals' own spread but never
+/// falls below `least_m`: where floor and ceiling are most of the scene they fit whatever the walls say, and a scale
+/// taken from them alone would cut the walls off before they could pull. Precondition: there are residuals.
+void apply_kernel(std::vector<PlaneResidual>& residuals, double least_m);
+
+}  // namespace kilter
