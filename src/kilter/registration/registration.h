@@ -26,7 +26,7 @@ struct RegistrationOptions {
   int max_iterations = 80;
   int min_matches = 200;            ///< fewer correspondences end it as kTooFewMatches
   double search_distance_m = 1.0;   ///< correspondences of the first iterations may be this far. [m]
-  double max_rotation_rad = 0.35;   ///< more than this from the start is refused. [rad]
+  double max_rotation_rad = 0.55;   ///< more than this from the start is refused. [rad]
   int max_points = 6000;            ///< source voxels used while iterating (evenly picked)
   bool always_search = false;       ///< run the wide search even where the local one can be trusted; not a key
   double wide_translation_m = 5.0;  ///< how far the wide search looks, 0 = never. [m]
