@@ -48,6 +48,7 @@ const kEvidence: Record<string, { name: string; value: (x: number) => string; ag
     against: "once registered",
   },
   gap_m: { name: "Gap between double walls", value: (x) => centimetres(x), against: "one wall alone shows less than" },
+  disagreement: { name: "All of it, with the bend", value: (x) => centimetres(x), against: "tolerance" },
   bend_m: { name: "Bend left that no rigid motion mends", value: (x) => centimetres(x), against: "" },
   agreeing: { name: "Other pairs around that say the same", value: (x) => String(Math.round(x)), against: "contradict it" },
   ambiguity: { name: "Second-best registration, against the best", value: (x) => `${(100 * x).toFixed(0)} %`, against: "" },

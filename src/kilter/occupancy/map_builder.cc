@@ -196,6 +196,7 @@ SurfaceVoxels MapBuilder::summarise_hits(const std::vector<VoxelBlock>& occupied
   std::vector<Eigen::Vector3d> sums(count, Eigen::Vector3d::Zero());
   std::vector<Eigen::Vector3d> views(count, Eigen::Vector3d::Zero());
   std::vector<std::uint32_t> counts(count, 0);
+  std::vector<double> times(count, 0.0);
   for (const Hit& hit : hits_) {
     const Eigen::Vector3d point_m = hit.point_m.cast<double>();
     const VoxelIndex voxel = voxel_at(point_m, options_.resolution_m);
@@ -207,12 +208,19 @@ SurfaceVoxels MapBuilder::summarise_hits(const std::vector<VoxelBlock>& occupied
     const std::size_t i = block.first_voxel + rank_in_block(block, bit);
     sums[i] += point_m;
     ++counts[i];
-    if (hit.origin != kNoOrigin) views[i] += (origins_m_[hit.origin].cast<double>() - point_m).normalized();
+    if (hit.origin == kNoOrigin) continue;
+    views[i] += (origins_m_[hit.origin].cast<double>() - point_m).normalized();
+    times[i] += hit.origin;
   }
   SurfaceVoxels voxels;
   voxels.centroids_m.resize(count);
   voxels.normals.resize(count);
   voxels.planarity.assign(count, 0.0F);
+  voxels.seen_at.assign(count, 0);
+  const double last = origins_m_.size() > 1 ? static_cast<double>(origins_m_.size() - 1) : 1.0;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (counts[i] > 0) voxels.seen_at[i] = static_cast<std::uint8_t>(std::lround(255.0 * times[i] / counts[i] / last));
+  }
   for (const VoxelBlock& block : occupied) {
     const Eigen::Vector3i at = block_of_key(block.key);
     std::size_t i = block.first_voxel;

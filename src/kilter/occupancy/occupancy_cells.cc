@@ -178,6 +178,7 @@ SurfaceVoxels BlockFiller::surface_in_order() {
   }
   voxels.normals.assign(surface_.size(), Eigen::Vector3f::Zero());
   voxels.planarity.assign(surface_.size(), 0.0F);
+  voxels.seen_at.assign(surface_.size(), 0);
   return voxels;
 }
 

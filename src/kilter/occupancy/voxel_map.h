@@ -33,6 +33,7 @@ struct SurfaceVoxels {
   std::vector<Eigen::Vector3f> normals;      ///< unit, towards the sensor; zero where no plane could be fitted
   std::vector<float> planarity;              ///< 0 (a blob or no support) .. 1 (a plane)
   std::vector<float> log_odds;               ///< of being occupied
+  std::vector<std::uint8_t> seen_at;         ///< mean over the hits of the scan's place in time: 0 first .. 255 last
 
   [[nodiscard]] std::size_t size() const { return centroids_m.size(); }
 };

@@ -2,55 +2,173 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "kilter/registration/bend.h"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <map>
 #include <vector>
 
 namespace kilter {
 namespace {
 
-constexpr std::size_t kFewestOfGroup = 20;
+constexpr std::size_t kFewestOfPart = 300;
+constexpr double kLeastHalf_m = 3.0;  // standard deviation along the longest axis that is worth a cut
+constexpr int kMostCuts = 3;          // one after the other: eight parts
+constexpr std::size_t kTimes = 12;    // parts by time
+constexpr double kShrink = 0.6;       // of the kernel, from one step to the next
+constexpr int kLastSteps = 3;         // at the final kernel
+constexpr double kSupportVoxels = 0.25;
+constexpr double kLeastGain = 1.3;  // of the residuals that vanish, among those that a motion changes, for it to count
+constexpr std::size_t kFewestGained = 20;
+constexpr double kPatch_m = 2.0;
+constexpr double kPatchVoxels = 0.1;  // as for the pair's own covariance
+// How far the RMS over a dozen parts is from that over all places, as a share of it: one standard deviation, seen where
+// the truth is known.
+constexpr double kScatter = 0.25;
 
-double median_of(std::vector<double>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+using Residuals = std::vector<PlaneResidual>;
+
+struct Spread {
+  Eigen::Vector3d axis = Eigen::Vector3d::UnitX();
+  double deviation_m = 0.0;
+};
+
+Spread longest_axis(std::span<const PlaneResidual> residuals) {
+  Eigen::Vector3d centre_m = Eigen::Vector3d::Zero();
+  for (const PlaneResidual& r : residuals) centre_m += r.point_m / static_cast<double>(residuals.size());
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(scatter_about(residuals, centre_m));
+  return {solver.eigenvectors().col(2), std::sqrt(std::max(solver.eigenvalues()[2], 0.0))};
+}
+
+using Parts = std::vector<std::span<const PlaneResidual>>;
+
+// Rearranges the residuals so that each part is one stretch of them.
+void cut_in_space(std::span<PlaneResidual> residuals, int cuts, Parts& parts) {
+  if (cuts < kMostCuts && residuals.size() >= 2 * kFewestOfPart) {
+    const Spread spread = longest_axis(residuals);
+    if (spread.deviation_m >= kLeastHalf_m) {
+      const auto half = residuals.size() / 2;
+      std::nth_element(residuals.begin(), residuals.begin() + static_cast<std::ptrdiff_t>(half), residuals.end(),
+                       [&](const PlaneResidual& a, const PlaneResidual& b) {
+                         return spread.axis.dot(a.point_m) < spread.axis.dot(b.point_m);
+                       });
+      cut_in_space(residuals.first(half), cuts + 1, parts);
+      cut_in_space(residuals.subspan(half), cuts + 1, parts);
+      return;
+    }
+  }
+  if (residuals.size() >= kFewestOfPart) parts.emplace_back(residuals);
+}
+
+// The same by when one of the submaps saw them: equal numbers, earliest first. None where it saw all at once.
+void cut_in_time(std::span<PlaneResidual> residuals, std::uint8_t PlaneResidual::*seen_at, Parts& parts) {
+  const std::size_t count = std::min(kTimes, residuals.size() / kFewestOfPart);
+  if (count < 2) return;
+  std::stable_sort(residuals.begin(), residuals.end(),
+                   [&](const PlaneResidual& a, const PlaneResidual& b) { return a.*seen_at < b.*seen_at; });
+  if (residuals.front().*seen_at == residuals.back().*seen_at) return;
+  for (std::size_t k = 0; k < count; ++k) {
+    const std::size_t first = residuals.size() * k / count;
+    parts.emplace_back(residuals.subspan(first, residuals.size() * (k + 1) / count - first));
+  }
+}
+
+double kernel_weight(double residual_m, double scale_m) {
+  const double ratio = scale_m * scale_m / (scale_m * scale_m + residual_m * residual_m);
+  return ratio * ratio;
+}
+
+// The residuals after the motion, to first order, weighted by a Geman-McClure kernel.
+Residuals moved(std::span<const PlaneResidual> part, const Eigen::Vector3d& centre_m, const Vector6& motion,
+                double scale_m) {
+  Residuals after(part.begin(), part.end());
+  for (PlaneResidual& r : after) {
+    r.residual_m += r.direction.dot(motion.head<3>() + motion.tail<3>().cross(r.point_m - centre_m));
+    r.weight *= kernel_weight(r.residual_m, scale_m);
+  }
+  return after;
+}
+
+// Whether a motion makes residuals vanish, among those that it changes: most of a scene may be floor, which fits at
+// every shift and says nothing.
+bool makes_vanish(std::span<const PlaneResidual> before, std::span<const PlaneResidual> after, double vanish_m) {
+  std::size_t vanished = 0;
+  std::size_t appeared = 0;
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    if (std::abs(after[i].residual_m - before[i].residual_m) < vanish_m) continue;
+    vanished += std::abs(after[i].residual_m) < vanish_m ? 1 : 0;
+    appeared += std::abs(before[i].residual_m) < vanish_m ? 1 : 0;
+  }
+  return vanished >= appeared + kFewestGained &&
+         static_cast<double>(vanished) >= kLeastGain * static_cast<double>(appeared);
+}
+
+struct PartMotion {
+  double mean_m2 = 0.0;
+  double variance_m4 = 0.0;
+};
+
+PartMotion motion_of(std::span<const PlaneResidual> part, double resolution_m, double reach_m) {
+  Eigen::Vector3d centre_m = Eigen::Vector3d::Zero();
+  for (const PlaneResidual& r : part) centre_m += r.point_m / static_cast<double>(part.size());
+  Vector6 motion = Vector6::Zero();
+  int last_steps = 0;
+  for (double scale_m = 0.5 * reach_m; last_steps < kLastSteps; scale_m = std::max(scale_m * kShrink, resolution_m)) {
+    last_steps += scale_m <= resolution_m ? 1 : 0;
+    const Residuals now = moved(part, centre_m, motion, scale_m);
+    const NormalEquations equations = build_normal_equations(now);
+    const Vector6 step = solve_observable(equations, split_observable(equations, now));
+    // The step is about the weighted centre; moved to the part's own.
+    motion.head<3>() += step.head<3>() + step.tail<3>().cross(centre_m - equations.centre_m);
+    motion.tail<3>() += step.tail<3>();
+  }
+  const Residuals before = moved(part, centre_m, Vector6::Zero(), resolution_m);
+  const Residuals after = moved(part, centre_m, motion, resolution_m);
+  const bool counts = makes_vanish(before, after, kSupportVoxels * resolution_m);
+  const Residuals& settled = counts ? after : before;
+  const NormalEquations equations = build_normal_equations(settled);
+  const Matrix6 covariance = patch_covariance(settled, equations, split_observable(equations, settled), kPatch_m,
+                                              kPatchVoxels * resolution_m);
+  const Eigen::Matrix3d scatter_m2 = scatter_about(part, centre_m);
+  Matrix6 M = Matrix6::Identity();
+  M.bottomRightCorner<3, 3>() = scatter_m2.trace() * Eigen::Matrix3d::Identity() - scatter_m2;
+  const Matrix6 MC = M * covariance;
+  if (!counts) motion.setZero();
+  return {motion.dot(M * motion) - (counts ? MC.trace() : 0.0),
+          2.0 * (MC * MC).trace() + 4.0 * motion.dot(MC * (M * motion))};
 }
 
 }  // namespace
 
-Bend measure_bend(std::span<const PlaneResidual> residuals, double cell_m) {
-  std::map<std::array<int, 4>, std::vector<double>> groups;
-  for (const PlaneResidual& r : residuals) {
-    int axis = 0;
-    r.direction.cwiseAbs().maxCoeff(&axis);
-    const Eigen::Vector3i cell = (r.point_m / cell_m).array().floor().matrix().cast<int>();
-    // The displacement of the source along the positive axis, whichever side the surface was seen from.
-    groups[{axis, cell.z(), cell.y(), cell.x()}].push_back(r.direction[axis] < 0.0 ? -r.residual_m : r.residual_m);
+Bend measure_bend(std::span<const PlaneResidual> residuals, double resolution_m, double reach_m) {
+  Bend most;
+  double most_m2 = 0.0;
+  for (const BendKind kind : {BendKind::kSpace, BendKind::kSource, BendKind::kTarget}) {
+    Residuals sorted(residuals.begin(), residuals.end());
+    Parts parts;
+    if (kind == BendKind::kSpace) {
+      cut_in_space(sorted, 0, parts);
+    } else {
+      cut_in_time(sorted, kind == BendKind::kSource ? &PlaneResidual::source_at : &PlaneResidual::target_at, parts);
+    }
+    double total = 0.0;
+    for (const std::span<const PlaneResidual> part : parts) total += static_cast<double>(part.size());
+    Bend bend{0.0, 0.0, kind, static_cast<int>(parts.size())};
+    double mean_m2 = 0.0;
+    for (const std::span<const PlaneResidual> part : parts) {
+      const double share = static_cast<double>(part.size()) / total;
+      const PartMotion motion = motion_of(part, resolution_m, reach_m);
+      mean_m2 += share * motion.mean_m2;
+      bend.variance_m4 += share * share * motion.variance_m4;
+    }
+    bend.rms_m = std::sqrt(std::max(mean_m2, 0.0));
+    const double scatter_m2 = 2.0 * kScatter * bend.rms_m * bend.rms_m;
+    bend.variance_m4 += scatter_m2 * scatter_m2;
+    if (kind == BendKind::kSpace || mean_m2 > most_m2) {
+      most = bend;
+      most_m2 = mean_m2;
+    }
   }
-  Bend bend;
-  std::array<double, 3> squares{};
-  std::array<double, 3> counts{};
-  for (auto& [key, values] : groups) {
-    if (values.size() < kFewestOfGroup) continue;
-    const auto axis = static_cast<std::size_t>(key[0]);
-    const double count = static_cast<double>(values.size());
-    const double median_m = median_of(values);
-    for (double& value : values) value = std::abs(value - median_m);
-    // Surfaces that moved as one have residuals of one size; clutter has all sizes, and says nothing.
-    const double apart_m = std::max(std::abs(median_m) - median_of(values), 0.0);
-    squares[axis] += count * apart_m * apart_m;
-    counts[axis] += count;
-    ++bend.groups;
-  }
-  double total_m2 = 0.0;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    if (counts[axis] > 0.0) total_m2 += squares[axis] / counts[axis];
-  }
-  bend.rms_m = std::sqrt(total_m2);
-  return bend;
+  return most;
 }
 
 }  // namespace kilter

@@ -8,17 +8,31 @@
 
 namespace kilter {
 
+/// What the parts of an aligned pair's overlap have in common.
+enum class BendKind {
+  kSpace,   ///< they lie in different places: one of the two is bent
+  kSource,  ///< the source saw them at different times: it slipped or drifted inside
+  kTarget,  ///< the target saw them at different times
+};
+
 /// How far parts of an aligned pair still lie apart, because a submap is bent or holds a slip: no rigid motion mends
 /// it.
 struct Bend {
-  double rms_m = 0.0;  ///< RMS over the overlap of the places' remaining displacement. [m]
-  int groups = 0;      ///< independent places behind it
+  double rms_m = 0.0;        ///< RMS over the overlap of the remaining displacement, less what noise would give. [m]
+  double variance_m4 = 0.0;  ///< of its square
+  BendKind kind = BendKind::kSpace;  ///< the way of cutting that shows most
+  int parts = 0;                     ///< of the overlap that were looked at on their own
 };
 
-/// Residuals (all within reach, unweighted) are grouped by cell of `cell_m` and by the axis that their direction is
-/// nearest to; a group's median, less its median absolute deviation, is the displacement there along that axis. Per
-/// axis the mean square over groups, weighted by their residuals; the three axes add up. What moved as one counts,
-/// clutter does not.
-[[nodiscard]] Bend measure_bend(std::span<const PlaneResidual> residuals, double cell_m);
+/// Cuts the overlap into parts, by place, by when the source saw it and by when the target did, and lets each part find
+/// its own small motion: robust least squares on the residuals' planes with a kernel that narrows from half the reach
+/// to a voxel, along the directions that the part itself fixes; nothing along the others. A motion counts where it
+/// makes more of the part's residuals vanish; clutter, which no motion mends, does not. A cut shows the mean over its
+/// parts, weighted by their residuals, of x^T M x (see OffsetEstimate) less what the motions' covariances alone would
+/// give; the cut that shows most is told.
+///
+/// \param residuals  all within reach at the aligned pose, with the planarity as weight
+/// Cost: some forty passes over the residuals; no search for neighbours.
+[[nodiscard]] Bend measure_bend(std::span<const PlaneResidual> residuals, double resolution_m, double reach_m);
 
 }  // namespace kilter

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <functional>
 #include <vector>
 
 #include "kilter/base/rng.h"
@@ -12,43 +13,71 @@
 namespace kilter {
 namespace {
 
-// A wall of 20 m along x, seen from both submaps; what lies beyond `from_x` is `apart_m` off, in the sense of the
-// source's displacement along +y.
-std::vector<PlaneResidual> wall(double from_x, double apart_m, double noise_m) {
+constexpr double kVoxel_m = 0.1;
+constexpr double kReach_m = 1.0;
+
+// How far the source lies off along +x and +y at a place, for what it saw at a time (0..255).
+using Displacement = std::function<Eigen::Vector2d(const Eigen::Vector3d& at_m, std::uint8_t source_at)>;
+
+// A hall of 24 by 10 m with walls on all sides and a floor; either submap saw every place at all times.
+std::vector<PlaneResidual> hall(const Displacement& displacement, double noise_m) {
   Rng rng(7, 0);
   std::vector<PlaneResidual> residuals;
-  for (int i = 0; i < 200; ++i) {
-    for (int k = 0; k < 20; ++k) {
-      const double x = 0.1 * i;
-      const double apart = (x < from_x ? 0.0 : apart_m) + noise_m * rng.normal();
-      // The two ways of matching look at the wall from opposite normals.
-      const double side = k % 2 == 0 ? 1.0 : -1.0;
-      residuals.push_back({{x, 0.05, 0.1 * k}, {0.0, side, 0.0}, side * apart, 1.0});
-    }
+  const auto add = [&](const Eigen::Vector3d& at_m, const Eigen::Vector3d& normal) {
+    const auto source_at = static_cast<std::uint8_t>(rng.uniform(0.0, 255.9));
+    const auto target_at = static_cast<std::uint8_t>(rng.uniform(0.0, 255.9));
+    const Eigen::Vector2d moved_m = displacement(at_m, source_at);
+    const double off_m = normal.head<2>().dot(moved_m) + noise_m * rng.normal();
+    residuals.push_back({at_m, normal, off_m, 1.0, source_at, target_at});
+  };
+  for (int i = 0; i < 2400; ++i) {
+    const double along_m = rng.uniform(0.0, 24.0);
+    const double across_m = rng.uniform(0.0, 10.0);
+    const double up_m = rng.uniform(0.0, 3.0);
+    const double side = i % 2 == 0 ? 1.0 : -1.0;
+    add({along_m, side > 0.0 ? 0.0 : 10.0, up_m}, {0.0, side, 0.0});
+    add({side > 0.0 ? 0.0 : 24.0, across_m, up_m}, {side, 0.0, 0.0});
+    add({along_m, across_m, 0.0}, {0.0, 0.0, 1.0});
   }
   return residuals;
 }
 
-TEST(MeasureBend, AWallThatIsOneShowsNone) { EXPECT_LT(measure_bend(wall(99.0, 0.0, 0.02), 2.0).rms_m, 0.005); }
+Bend bend_of(const Displacement& displacement, double noise_m = 0.01) {
+  return measure_bend(hall(displacement, noise_m), kVoxel_m, kReach_m);
+}
 
-TEST(MeasureBend, HalfAWallMovedAwayCountsByItsShare) {
-  const Bend bend = measure_bend(wall(10.0, 0.3, 0.01), 2.0);
-  EXPECT_NEAR(bend.rms_m, 0.3 * std::sqrt(0.5), 0.02);
-  EXPECT_GE(bend.groups, 10);
+TEST(MeasureBend, AHallThatIsOneShowsNone) {
+  EXPECT_LT(bend_of([](const auto&, auto) { return Eigen::Vector2d(0.0, 0.0); }, 0.02).rms_m, 0.005);
+}
+
+TEST(MeasureBend, AFarEndThatWasMovedCountsByItsShare) {
+  const Bend bend =
+      bend_of([](const Eigen::Vector3d& at_m, auto) { return Eigen::Vector2d(0.0, at_m.x() < 12.0 ? 0.0 : 0.3); });
+  EXPECT_NEAR(bend.rms_m, 0.3 * std::sqrt(0.5), 0.03);
+  EXPECT_EQ(bend.kind, BendKind::kSpace);
+  EXPECT_GT(bend.variance_m4, 0.0);
+}
+
+TEST(MeasureBend, ASlipInsideTheSourceIsFoundByTimeAndNamed) {
+  const Bend bend = bend_of([](const auto&, std::uint8_t source_at) {
+    return source_at < 192 ? Eigen::Vector2d(0.0, 0.0) : Eigen::Vector2d(0.2, 0.2);
+  });
+  EXPECT_NEAR(bend.rms_m, std::sqrt(0.08 * 0.25), 0.03);
+  EXPECT_EQ(bend.kind, BendKind::kSource);
 }
 
 TEST(MeasureBend, ClutterOfAllSizesSaysNothing) {
   Rng rng(8, 0);
-  std::vector<PlaneResidual> residuals = wall(99.0, 0.0, 0.01);
+  std::vector<PlaneResidual> residuals = hall([](const auto&, auto) { return Eigen::Vector2d(0.0, 0.0); }, 0.01);
   for (PlaneResidual& r : residuals) {
-    if (r.point_m.x() > 10.0) r.residual_m = rng.uniform(-1.0, 1.0);
+    if (r.point_m.x() > 12.0) r.residual_m = rng.uniform(-1.0, 1.0);
   }
-  EXPECT_LT(measure_bend(residuals, 2.0).rms_m, 0.05);
+  EXPECT_LT(measure_bend(residuals, kVoxel_m, kReach_m).rms_m, 0.02);
 }
 
 TEST(MeasureBend, NothingIsNoBend) {
-  EXPECT_EQ(measure_bend({}, 2.0).rms_m, 0.0);
-  EXPECT_EQ(measure_bend({}, 2.0).groups, 0);
+  EXPECT_EQ(measure_bend({}, kVoxel_m, kReach_m).rms_m, 0.0);
+  EXPECT_EQ(measure_bend({}, kVoxel_m, kReach_m).parts, 0);
 }
 
 }  // namespace

@@ -17,6 +17,8 @@ struct PlaneResidual {
   Eigen::Vector3d direction;  ///< unit
   double residual_m = 0.0;
   double weight = 1.0;
+  std::uint8_t source_at = 0;  ///< when the source saw it (SurfaceVoxels::seen_at)
+  std::uint8_t target_at = 0;
 };
 
 /// Weighted least squares over small motions (v, w) about a centre: p -> c + Exp(w) (p - c) + v, target axes. Solved

@@ -44,7 +44,8 @@ void match_one_way(const VoxelMap& from, const VoxelMap& onto, NearestVoxelCurso
     if (normal.isZero()) continue;
     if (!normals_agree(T.linear() * points.normals[i].cast<double>(), normal, oriented)) continue;
     const double residual_m = normal.dot(point_m - planes.centroids_m[nearest->voxel].cast<double>());
-    residuals.push_back({point_m, normal, residual_m, static_cast<double>(planes.planarity[nearest->voxel])});
+    residuals.push_back({point_m, normal, residual_m, static_cast<double>(planes.planarity[nearest->voxel]),
+                         points.seen_at[i], planes.seen_at[nearest->voxel]});
   }
 }
 
@@ -67,6 +68,7 @@ std::vector<PlaneResidual> match_both_ways(PlanePair& pair, const Pose3& T_targe
   for (std::size_t i = forward; i < residuals.size(); ++i) {
     residuals[i].point_m = T * residuals[i].point_m;
     residuals[i].direction = -(T.linear() * residuals[i].direction);
+    std::swap(residuals[i].source_at, residuals[i].target_at);
   }
   return residuals;
 }

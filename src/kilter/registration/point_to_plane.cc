@@ -24,7 +24,7 @@ constexpr double kSmallStep_m = 1e-3;
 constexpr double kSmallTurn_rad = 1e-4;
 constexpr double kSupportVoxels = 0.25;  // this near its plane a point supports the pose
 constexpr double kPatchVoxels = 0.1;     // centroids sit within a tenth of a voxel of the surface they stand for
-constexpr double kBendCell_m = 2.0;
+constexpr std::size_t kBendPoints = 8000;  // of each submap
 constexpr std::size_t kFewestResiduals = 40;
 constexpr int kPolishSteps = 3;
 constexpr double kPolished_m = 1e-4;
@@ -193,7 +193,8 @@ RegistrationResult finish(PlanePair& pair, const Pose3& start, Descent descent, 
     result.stop = StopReason::kTooFewMatches;
     return result;
   }
-  result.bend = measure_bend(match_planes(pair, descent.T, options.search_distance_m, kAllPoints), kBendCell_m);
+  result.bend = measure_bend(match_planes(pair, descent.T, options.search_distance_m, kBendPoints), resolution_m,
+                             options.search_distance_m);
   result.T_target_source = descent.T;
   result.residual_rms_m = std::sqrt(look.equations.squares_m2 / look.equations.weight);
   describe_uncertainty(look.residuals, look.equations, look.split, kPatchVoxels * resolution_m, prior, result);

@@ -21,6 +21,21 @@ double discovery_threshold(std::vector<double> p_values, double alpha) {
   return -1.0;
 }
 
+std::string why_inconsistent(const PairVerdict& verdict, const JudgeOptions& options) {
+  const auto& interval = *verdict.offset_interval_m;
+  const std::string offset = fmt::format("offset {:.1f} cm ({:.1f} to {:.1f} cm)", 100.0 * *verdict.offset_m,
+                                         100.0 * interval[0], 100.0 * interval[1]);
+  const std::string above = fmt::format("above the tolerance of {:.1f} cm", 100.0 * options.tolerance_m);
+  if (*verdict.offset_m <= options.tolerance_m) {
+    return fmt::format(
+        "{}, but with it parts of the overlap lie {:.1f} cm apart (RMS), {}: {} is bent, or slipped inside", offset,
+        100.0 * *verdict.disagreement_m, above, verdict.bent);
+  }
+  if (verdict.rigid) return fmt::format("{}: {}", offset, above);
+  return fmt::format("{}: {}; no rigid motion mends all of it, {} is bent, or slipped inside", offset, above,
+                     verdict.bent);
+}
+
 void decide_inconsistent(std::vector<JudgedPair>& pairs, const JudgeOptions& options) {
   std::vector<double> p_values;
   for (const JudgedPair& pair : pairs) {
@@ -30,13 +45,7 @@ void decide_inconsistent(std::vector<JudgedPair>& pairs, const JudgeOptions& opt
   for (JudgedPair& pair : pairs) {
     if (!pair.verdict.p_value || *pair.verdict.p_value > threshold) continue;
     pair.verdict.verdict = Verdict::kInconsistent;
-    const auto& interval = *pair.verdict.offset_interval_m;
-    pair.verdict.reason = fmt::format("offset {:.1f} cm ({:.1f} to {:.1f} cm): above the tolerance of {:.1f} cm",
-                                      100.0 * *pair.verdict.offset_m, 100.0 * interval[0], 100.0 * interval[1],
-                                      100.0 * options.tolerance_m);
-    if (!pair.verdict.rigid) {
-      pair.verdict.reason += "; no rigid motion mends all of it, a submap is bent or slipped inside";
-    }
+    pair.verdict.reason = why_inconsistent(pair.verdict, options);
   }
 }
 
@@ -146,8 +155,8 @@ void certify(const std::vector<JudgedPair>& pairs, MapVerdict& map) {
       continue;
     }
     // The paper's own test measures no interval: it certifies nothing.
-    if (!pair.verdict.offset_interval_m) continue;
-    map.certificate_m = std::max(map.certificate_m.value_or(0.0), (*pair.verdict.offset_interval_m)[1]);
+    if (!pair.verdict.disagreement_most_m) continue;
+    map.certificate_m = std::max(map.certificate_m.value_or(0.0), *pair.verdict.disagreement_most_m);
   }
 }
 

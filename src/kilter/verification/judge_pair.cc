@@ -25,6 +25,7 @@ constexpr double kThetaSpreads = 3.0;
 constexpr double kThetaSlack = 0.3;
 // Only keeps numbers finite: log odds rank pairs whose probability has long come out as 1.
 constexpr double kMaxLogOdds = 1e6;
+constexpr double kLeastSigma_m = 1e-6;  // only keeps a division finite
 // Registration always moves a little: a displacement counts only if this many times as many points support the new
 // pose (lie within a quarter voxel of the other submap's planes) as the map's.
 constexpr double kLeastGain = 1.3;
@@ -34,9 +35,6 @@ constexpr double kLeastGainWithFreeSpace = 1.1;
 constexpr double kLeastConflictGone = 0.02;
 // An ambiguous registration is believed if this many around it agree.
 constexpr int kSupported = 2;
-// What a rigid motion leaves apart beyond this (in tolerances, never below so many voxels of noise) is a bend.
-constexpr double kBendOfTolerance = 1.5;
-constexpr double kBendVoxels = 1.2;
 
 double median_of(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
@@ -117,26 +115,49 @@ void note_support(const RegistrationResult& registration, const Agreement& agree
   if (registration.ambiguity) verdict.evidence["ambiguity"].value = *registration.ambiguity;
 }
 
-void note_offset(const OffsetEstimate& offset, const JudgeOptions& options, PairVerdict& verdict) {
+void note_offset(const OffsetEstimate& offset, const Bend& bend, const JudgeOptions& options, PairVerdict& verdict) {
   verdict.offset_m = offset.offset_m;
   verdict.offset_rad = offset.offset_rad;
   verdict.offset_vector_m = offset.vector_m;
   verdict.offset_interval_m = {std::min(offset_quantile_m(offset.measured, 0.975), offset.offset_m),
                                std::max(offset_quantile_m(offset.measured, 0.025), offset.offset_m)};
   verdict.minimum_detectable_m = offset.minimum_detectable_m;
-  const LogTails tails = log_tails(offset.with_prior, options.tolerance_m);
-  const double log_ratio = std::clamp(tails.above - tails.below, -kMaxLogOdds, kMaxLogOdds);
-  verdict.evidence["displacement"] = {offset.offset_m, options.tolerance_m, log_ratio};
+  const auto log_ratio_of = [&](const OffsetEstimate::SquareLaw& law) {
+    const LogTails tails = log_tails(law, options.tolerance_m);
+    return std::clamp(tails.above - tails.below, -kMaxLogOdds, kMaxLogOdds);
+  };
+  verdict.evidence["displacement"] = {offset.offset_m, options.tolerance_m, log_ratio_of(offset.with_prior)};
+  const double apart_m = std::hypot(offset.offset_m, bend.rms_m);
+  const double log_ratio = log_ratio_of(with_bend(offset.with_prior, bend));
+  verdict.evidence["disagreement"] = {apart_m, options.tolerance_m, log_ratio};
+  verdict.disagreement_m = apart_m;
+  verdict.disagreement_most_m = std::max(offset_quantile_m(with_bend(offset.measured, bend), 0.025), apart_m);
   const double prior = std::log(options.prior_inconsistent / (1.0 - options.prior_inconsistent));
   verdict.log_odds = std::clamp(log_ratio + prior, -kMaxLogOdds, kMaxLogOdds);
   verdict.p_inconsistent = 1.0 / (1.0 + std::exp(-*verdict.log_odds));
-  verdict.p_value = std::exp(log_normal_tail((offset.offset_m - options.tolerance_m) / offset.sigma_m));
+  // Standard deviation of the root of a sum of squares.
+  const double along_m2 = std::pow(offset.offset_m * offset.sigma_m, 2) + 0.25 * bend.variance_m4;
+  const double sigma_m = apart_m > 0.0 ? std::max(std::sqrt(along_m2) / apart_m, kLeastSigma_m) : offset.sigma_m;
+  verdict.p_value = std::exp(log_normal_tail((apart_m - options.tolerance_m) / sigma_m));
+}
+
+std::string_view bent_one(const Bend& bend) {
+  switch (bend.kind) {
+    case BendKind::kSource:
+      return "the source";
+    case BendKind::kTarget:
+      return "the target";
+    case BendKind::kSpace:
+      return "one of the two";
+  }
+  return "";
 }
 
 std::string in_cm(double metres) { return fmt::format("{:.1f} cm", 100.0 * metres); }
 
-// Why the registered pose cannot be believed; empty if it can.
-std::string doubt(const PairEvidence& pair, const MapNull& null) {
+// Why the registered pose cannot be believed; empty if it can. Where the pose barely moved and a submap is bent,
+// conflict is what a bend looks like and no reason for doubt.
+std::string doubt(const PairEvidence& pair, const MapNull& null, bool conflict_counts) {
   const PoseEvidence& after = *pair.registered;
   const RegistrationResult& registration = *pair.registration;
   const Agreement& agreement = pair.agreement;
@@ -156,7 +177,7 @@ std::string doubt(const PairEvidence& pair, const MapNull& null) {
     return fmt::format("registration lost overlap ({:.0f} % to {:.0f} %): the places may differ",
                        100.0 * pair.map.overlap, 100.0 * after.overlap);
   }
-  if (after.conflict.known() > 0 && after.conflict.share() > conflict_limit(null)) {
+  if (conflict_counts && after.conflict.known() > 0 && after.conflict.share() > conflict_limit(null)) {
     return fmt::format(
         "after registration {:.0f} % of what both saw still conflicts (typical of this map: {:.0f} %): the places "
         "differ, or registration settled in the wrong place",
@@ -238,32 +259,32 @@ PairVerdict judge_pair(const PairEvidence& pair, const MapNull& null, const Judg
   }
   verdict.unobservable = pair.registration->unobservable;
   const OffsetEstimate offset = estimate_offset(*pair.registration, pair.T_target_source);
-  note_offset(offset, options, verdict);
+  const Bend& bend = pair.registration->bend;
+  note_offset(offset, bend, options, verdict);
   note_support(*pair.registration, pair.agreement, verdict);
   const std::string measured =
       fmt::format("offset {} ({} to {})", in_cm(offset.offset_m), in_cm((*verdict.offset_interval_m)[0]),
                   in_cm((*verdict.offset_interval_m)[1]));
-  const std::string why_not = doubt(pair, null);
-  verdict.rigid = pair.registration->bend.rms_m <=
-                  std::max(kBendOfTolerance * options.tolerance_m, kBendVoxels * pair.resolution_m);
-  const bool beyond = offset.offset_m > options.tolerance_m;
+  verdict.rigid = bend.rms_m <= options.tolerance_m;
+  verdict.bent = bent_one(bend);
+  const bool moved = offset.offset_m > options.tolerance_m;
+  const bool beyond = *verdict.disagreement_m > options.tolerance_m;
+  const std::string why_not = doubt(pair, null, verdict.rigid || moved);
   if (!why_not.empty()) {
     verdict.reason = fmt::format("{}; {}", measured, why_not);
     verdict.p_value.reset();
-  } else if (beyond && !fit_improved(pair)) {
+  } else if (moved && !fit_improved(pair)) {
     verdict.reason = fmt::format("{}, but the pair agrees no better there", measured);
     verdict.p_value.reset();
   } else if (beyond) {
-    verdict.reason =
-        fmt::format("{}: not told from the tolerance of {} over the whole map", measured, in_cm(options.tolerance_m));
-  } else if (!verdict.rigid) {
-    verdict.reason =
-        fmt::format("{}, but parts of the overlap still lie {} apart there: a submap is bent, or slipped inside",
-                    measured, in_cm(pair.registration->bend.rms_m));
-  } else if (log_tails(offset.with_prior, options.tolerance_m).above <= std::log(kConsistentTail)) {
+    verdict.reason = fmt::format(
+        "{}, {} apart with what no rigid motion mends: not told from the tolerance of {} over "
+        "the whole map",
+        measured, in_cm(*verdict.disagreement_m), in_cm(options.tolerance_m));
+  } else if (log_tails(with_bend(offset.with_prior, bend), options.tolerance_m).above <= std::log(kConsistentTail)) {
     verdict.verdict = Verdict::kConsistent;
     verdict.reason = fmt::format("{}: below the tolerance of {}", measured, in_cm(options.tolerance_m));
-  } else if (log_tails(offset.measured, options.tolerance_m).above <= std::log(kConsistentTail)) {
+  } else if (log_tails(with_bend(offset.measured, bend), options.tolerance_m).above <= std::log(kConsistentTail)) {
     verdict.reason = fmt::format("{}, but a direction that nothing in the scene fixes could hide {}", measured,
                                  in_cm(2.0 * offset.hidden_sigma_m));
   } else {

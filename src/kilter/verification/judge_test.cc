@@ -108,6 +108,36 @@ TEST(JudgePair, AnOptimumThatStillConflictsIsNotBelieved) {
   EXPECT_EQ(verdict_of(no_better), Verdict::kUnverified);
 }
 
+// A pair that registration hardly moves, and whose parts stay apart by `rms_m` inside.
+PairEvidence pair_bent(double rms_m) {
+  PairEvidence pair = pair_moved(0.02, 0.005);
+  pair.registration->bend = {rms_m, std::pow(0.5 * rms_m * rms_m, 2), BendKind::kTarget, 12};
+  return pair;
+}
+
+TEST(JudgePair, ABendCountsTowardsTheDisagreement) {
+  EXPECT_EQ(verdict_of(pair_bent(0.03)), Verdict::kConsistent);
+  EXPECT_EQ(verdict_of(pair_bent(0.11)), Verdict::kUnverified);
+  std::vector<JudgedPair> pairs = {judged(pair_bent(0.4))};
+  (void)judge_map(pairs, kRobots, {});
+  EXPECT_EQ(pairs[0].verdict.verdict, Verdict::kInconsistent);
+  EXPECT_FALSE(pairs[0].verdict.rigid);
+  EXPECT_NE(pairs[0].verdict.reason.find("the target is bent"), std::string::npos) << pairs[0].verdict.reason;
+  EXPECT_NEAR(*pairs[0].verdict.disagreement_m, std::hypot(0.02, 0.4), 1e-12);
+  EXPECT_LT(pairs[0].verdict.evidence.at("displacement").log_ratio, 0.0);
+  EXPECT_GT(pairs[0].verdict.log_odds, 0.0);
+}
+
+TEST(JudgePair, ConflictThatABendExplainsIsNoDoubt) {
+  PairEvidence pair = pair_bent(0.4);
+  pair.registered->conflict = {{1000, 300}, {1000, 300}};
+  EXPECT_EQ(verdict_of(pair), Verdict::kInconsistent);
+  PairEvidence moved = pair_moved(2.0, 0.01);  // a pose far away that conflicts may be a wrong one
+  moved.registration->bend = pair.registration->bend;
+  moved.registered->conflict = pair.registered->conflict;
+  EXPECT_EQ(verdict_of(moved), Verdict::kUnverified);
+}
+
 TEST(JudgePair, ASmallGainCountsIfFreeSpaceAgrees) {
   PairEvidence pair = pair_moved(0.3, 0.01);
   pair.registration->support_end = pair.registration->support_start * 6 / 5;

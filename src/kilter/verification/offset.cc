@@ -77,6 +77,10 @@ OffsetEstimate estimate_offset(const RegistrationResult& registration, const Pos
   return estimate;
 }
 
+OffsetEstimate::SquareLaw with_bend(const OffsetEstimate::SquareLaw& offset, const Bend& bend) {
+  return {offset.mean_m2 + bend.rms_m * bend.rms_m, offset.variance_m4 + bend.variance_m4};
+}
+
 LogTails log_tails(const OffsetEstimate::SquareLaw& law, double limit_m) {
   KILTER_EXPECTS(law.mean_m2 > 0.0 && law.variance_m4 > 0.0);
   const double z = normal_deviate(law, limit_m);

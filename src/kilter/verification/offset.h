@@ -34,6 +34,9 @@ struct OffsetEstimate {
 /// Precondition: the registration converged.
 [[nodiscard]] OffsetEstimate estimate_offset(const RegistrationResult& registration, const Pose3& T_target_source_map);
 
+/// The squared disagreement of a pair: what a rigid motion moves, and what none mends.
+[[nodiscard]] OffsetEstimate::SquareLaw with_bend(const OffsetEstimate::SquareLaw& offset, const Bend& bend);
+
 /// ln P(offset > limit) and ln P(offset <= limit) under a law of the squared offset, by the Wilson-Hilferty
 /// cube-root form of a scaled chi-square with the same two moments.
 struct LogTails {

@@ -62,6 +62,9 @@ struct PairVerdict {
   std::string reason;  ///< one sentence, also for decided pairs
   std::map<std::string, Evidence> evidence;
   std::optional<double> offset_m;  ///< RMS displacement over the overlap, registered against map. [m]
+  /// RMS over the overlap of everything that lies apart: the offset, and what no rigid motion mends. [m]
+  std::optional<double> disagreement_m;
+  std::optional<double> disagreement_most_m;               ///< that with 97.5 %, over the observable directions. [m]
   std::optional<std::array<double, 2>> offset_interval_m;  ///< 95 %, over the observable directions. [m]
   std::optional<double> offset_rad;                        ///< rotation part
   std::optional<Eigen::Vector3d> offset_vector_m;  ///< registered minus map at the overlap's centre, target axes
@@ -69,7 +72,8 @@ struct PairVerdict {
   std::optional<double> minimum_detectable_m;      ///< smallest offset that this pair would reveal. [m]
   std::vector<Vector6> unobservable;               ///< unit twists about the overlap's centre, target axes
   std::optional<double> p_value;                   ///< for "at most the tolerance"
-  bool rigid = true;               ///< false if no rigid motion brings all of the overlap together: a submap is bent
+  bool rigid = true;  ///< false if parts stay apart by over the tolerance whatever the rigid motion: a submap is bent
+  std::string bent;   ///< which: "the source", "the target", "one of the two"; meaningful where `rigid` is false
   std::optional<double> log_odds;  ///< ln(p / (1 - p)) of p_inconsistent
   std::optional<double> p_inconsistent;
 };
