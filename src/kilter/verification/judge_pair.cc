@@ -25,7 +25,6 @@ constexpr double kThetaSpreads = 3.0;
 constexpr double kThetaSlack = 0.3;
 // Only keeps numbers finite: log odds rank pairs whose probability has long come out as 1.
 constexpr double kMaxLogOdds = 1e6;
-constexpr double kLeastSigma_m = 1e-6;  // only keeps a division finite
 // Registration always moves a little: a displacement counts only if this many times as many points support the new
 // pose (lie within a quarter voxel of the other submap's planes) as the map's.
 constexpr double kLeastGain = 1.3;
@@ -128,16 +127,17 @@ void note_offset(const OffsetEstimate& offset, const Bend& bend, const JudgeOpti
   };
   verdict.evidence["displacement"] = {offset.offset_m, options.tolerance_m, log_ratio_of(offset.with_prior)};
   const double apart_m = std::hypot(offset.offset_m, bend.rms_m);
-  const double log_ratio = log_ratio_of(with_bend(offset.with_prior, bend));
+  const double log_ratio = log_ratio_of(disagreement_law(offset.with_prior, bend));
   verdict.evidence["disagreement"] = {apart_m, options.tolerance_m, log_ratio};
   verdict.disagreement_m = apart_m;
-  verdict.disagreement_most_m = std::max(offset_quantile_m(with_bend(offset.measured, bend), 0.025), apart_m);
+  verdict.disagreement_most_m = std::max(offset_quantile_m(disagreement_law(offset.measured, bend), 0.025), apart_m);
   const double prior = std::log(options.prior_inconsistent / (1.0 - options.prior_inconsistent));
   verdict.log_odds = std::clamp(log_ratio + prior, -kMaxLogOdds, kMaxLogOdds);
   verdict.p_inconsistent = 1.0 / (1.0 + std::exp(-*verdict.log_odds));
   // Standard deviation of the root of a sum of squares.
-  const double along_m2 = std::pow(offset.offset_m * offset.sigma_m, 2) + 0.25 * bend.variance_m4;
-  const double sigma_m = apart_m > 0.0 ? std::max(std::sqrt(along_m2) / apart_m, kLeastSigma_m) : offset.sigma_m;
+  const double along_m4 = std::pow(offset.offset_m * offset.sigma_m, 2) + 0.25 * bend.variance_m4 +
+                          std::pow(kPlacesScatter * apart_m * apart_m, 2);
+  const double sigma_m = apart_m > 0.0 ? std::sqrt(along_m4) / apart_m : offset.sigma_m;
   verdict.p_value = std::exp(log_normal_tail((apart_m - options.tolerance_m) / sigma_m));
 }
 
@@ -281,10 +281,12 @@ PairVerdict judge_pair(const PairEvidence& pair, const MapNull& null, const Judg
         "{}, {} apart with what no rigid motion mends: not told from the tolerance of {} over "
         "the whole map",
         measured, in_cm(*verdict.disagreement_m), in_cm(options.tolerance_m));
-  } else if (log_tails(with_bend(offset.with_prior, bend), options.tolerance_m).above <= std::log(kConsistentTail)) {
+  } else if (log_tails(disagreement_law(offset.with_prior, bend), options.tolerance_m).above <=
+             std::log(kConsistentTail)) {
     verdict.verdict = Verdict::kConsistent;
     verdict.reason = fmt::format("{}: below the tolerance of {}", measured, in_cm(options.tolerance_m));
-  } else if (log_tails(with_bend(offset.measured, bend), options.tolerance_m).above <= std::log(kConsistentTail)) {
+  } else if (log_tails(disagreement_law(offset.measured, bend), options.tolerance_m).above <=
+             std::log(kConsistentTail)) {
     verdict.reason = fmt::format("{}, but a direction that nothing in the scene fixes could hide {}", measured,
                                  in_cm(2.0 * offset.hidden_sigma_m));
   } else {

@@ -77,8 +77,10 @@ OffsetEstimate estimate_offset(const RegistrationResult& registration, const Pos
   return estimate;
 }
 
-OffsetEstimate::SquareLaw with_bend(const OffsetEstimate::SquareLaw& offset, const Bend& bend) {
-  return {offset.mean_m2 + bend.rms_m * bend.rms_m, offset.variance_m4 + bend.variance_m4};
+OffsetEstimate::SquareLaw disagreement_law(const OffsetEstimate::SquareLaw& offset, const Bend& bend) {
+  const double mean_m2 = offset.mean_m2 + bend.rms_m * bend.rms_m;
+  const double places_m2 = 2.0 * kPlacesScatter * mean_m2;
+  return {mean_m2, offset.variance_m4 + bend.variance_m4 + places_m2 * places_m2};
 }
 
 LogTails log_tails(const OffsetEstimate::SquareLaw& law, double limit_m) {

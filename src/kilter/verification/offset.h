@@ -34,8 +34,13 @@ struct OffsetEstimate {
 /// Precondition: the registration converged.
 [[nodiscard]] OffsetEstimate estimate_offset(const RegistrationResult& registration, const Pose3& T_target_source_map);
 
-/// The squared disagreement of a pair: what a rigid motion moves, and what none mends.
-[[nodiscard]] OffsetEstimate::SquareLaw with_bend(const OffsetEstimate::SquareLaw& offset, const Bend& bend);
+/// Relative standard deviation between an RMS over matched voxels and that over all places that both submaps saw, which
+/// is what a disagreement is: voxels cluster near the sensors. Seen where the truth is known
+/// (`benchmarks/accuracy/run`).
+inline constexpr double kPlacesScatter = 0.1;
+
+/// The law of the squared disagreement: what a rigid motion moves, what none mends, and kPlacesScatter.
+[[nodiscard]] OffsetEstimate::SquareLaw disagreement_law(const OffsetEstimate::SquareLaw& offset, const Bend& bend);
 
 /// ln P(offset > limit) and ln P(offset <= limit) under a law of the squared offset, by the Wilson-Hilferty
 /// cube-root form of a scaled chi-square with the same two moments.
