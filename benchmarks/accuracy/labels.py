@@ -16,6 +16,7 @@ import pathlib
 import numpy as np
 
 CELL_M = 0.3
+VOXEL_M = 0.1
 LEAST_CELLS = 60
 LEAST_SHARE = 0.02  # of the information, for a direction to count as fixed by the scene
 MAX_RANGE_M = 60.0
@@ -31,8 +32,36 @@ def read_poses(path):
     return rotations, rows[:, 1:4]
 
 
+def read_pcd(path):
+    """Positions of an ascii or binary PCD file whose x, y and z are 4-byte floats (n, 3)."""
+    data = path.read_bytes()
+    head, start = {}, 0
+    while "DATA" not in head:
+        end = data.index(b"\n", start)
+        words = data[start:end].decode("ascii").split()
+        start = end + 1
+        if words and not words[0].startswith("#"):
+            head[words[0]] = words[1:]
+    count = int(head["POINTS"][0])
+    repeats = [int(word) for word in head.get("COUNT", ["1"] * len(head["FIELDS"]))]
+    if head["DATA"][0] == "ascii":
+        rows = np.array(data[start:].split(), dtype=float).reshape(count, sum(repeats))
+        first = np.cumsum([0, *repeats])
+        return rows[:, [first[head["FIELDS"].index(axis)] for axis in "xyz"]]
+    sizes = [int(size) * n for size, n in zip(head["SIZE"], repeats)]
+    offsets = np.cumsum([0, *sizes])
+    layout = np.dtype({"names": list("xyz"), "formats": ["<f4"] * 3, "itemsize": int(offsets[-1]),
+                       "offsets": [int(offsets[head["FIELDS"].index(axis)]) for axis in "xyz"]})
+    records = np.frombuffer(data, layout, count, start)
+    return np.stack([records[axis] for axis in "xyz"], axis=1).astype(float)
+
+
 def read_scan(path):
-    points = np.fromfile(path, "<f4").reshape(-1, 4)[:, :3].astype(float)
+    if path.suffix == ".pcd":
+        points = read_pcd(path)
+        points = points[np.isfinite(points).all(axis=1)]
+    else:
+        points = np.fromfile(path, "<f4").reshape(-1, 4)[:, :3].astype(float)
     ranges = np.linalg.norm(points, axis=1)
     return points[(ranges > 0.5) & (ranges < MAX_RANGE_M)]
 
@@ -49,9 +78,12 @@ def centres_of(keys):
 
 
 class Places:
-    """The cells that one submap hit: sorted keys and, for each, the mean displacement of the map from the truth."""
+    """The cells that one submap hit: sorted keys and, for each, the mean displacement of the map from the truth. Also the
+    cells that it hits where the map has it, and its voxels of 0.1 m there, for the baselines."""
 
     def __init__(self, true_m, map_m):
+        self.map_keys = np.unique(keys_of(map_m))
+        self.voxels_m = (np.unique(np.floor(map_m / VOXEL_M).astype(np.int64), axis=0) + 0.5) * VOXEL_M
         self.keys, inverse, self.counts = np.unique(keys_of(true_m), return_inverse=True, return_counts=True)
         shift = map_m - true_m
         self.shift_m = np.stack([np.bincount(inverse, shift[:, k]) for k in range(3)], axis=1) / self.counts[:, None]
@@ -112,6 +144,17 @@ def fixed_directions(points_m, normals, weights):
     return fixed @ fixed.T, centre, unscale, shares
 
 
+def quaternion_of(R):
+    """x, y, z, w of a rotation matrix."""
+    four = np.array([[R[0, 0] - R[1, 1] - R[2, 2], 0, 0, 0],
+                     [R[1, 0] + R[0, 1], R[1, 1] - R[0, 0] - R[2, 2], 0, 0],
+                     [R[2, 0] + R[0, 2], R[2, 1] + R[1, 2], R[2, 2] - R[0, 0] - R[1, 1], 0],
+                     [R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1], np.trace(R)]]) / 3.0
+    _, vectors = np.linalg.eigh(four, UPLO="L")  # the largest eigenvalue's vector
+    q = vectors[:, -1]
+    return q if q[3] >= 0 else -q
+
+
 def to_matrix(pose):
     x, y, z, qx, qy, qz, qw = pose
     T = np.eye(4)
@@ -161,6 +204,18 @@ class Truth:
                 label = self.pair(s, t)
                 if label and label["overlap"] >= least_overlap:
                     yield label
+
+    def wrong_places(self, least_overlap=0.3):
+        """Pairs that overlap in the map although they saw next to nothing in common."""
+        for s, source in enumerate(self.submaps):
+            for t in range(s):
+                a, b = self.places[t], self.places[s]
+                in_map = len(np.intersect1d(a.map_keys, b.map_keys, assume_unique=True))
+                overlap = in_map / min(len(a.map_keys), len(b.map_keys))
+                if overlap < least_overlap:
+                    continue
+                if len(np.intersect1d(a.keys, b.keys, assume_unique=True)) < LEAST_CELLS:
+                    yield {"source": source["id"], "target": self.submaps[t]["id"], "map_overlap": overlap}
 
     def pair(self, s, t):
         a, b = self.places[t], self.places[s]

@@ -1,0 +1,342 @@
+# SPDX-FileCopyrightText: The kilter authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""Markdown tables and the ROC picture from the answers of suite.try_mission."""
+import collections
+
+import numpy as np
+
+import scores
+from baselines import RADII_M
+
+GOOD_M, BAD_M = 0.05, 0.20
+NEAR_GOOD_M, NEAR_BAD_M = 0.03, 0.10
+ENOUGH_OVERLAP = 0.30
+TOLERANCE_M = 0.10  # the default, which p_inconsistent of drift, clean and sealed missions speaks of
+
+
+def share(part, whole):
+    return f"{100 * part / whole:.1f} %" if whole else "-"
+
+
+def with_interval(part, whole):
+    low, high = scores.wilson(part, whole)
+    return f"{100 * part / whole:.1f} % ({100 * low:.1f} to {100 * high:.1f})" if whole else "-"
+
+
+def number(value, digits=3):
+    return f"{value:.{digits}f}" if value is not None and np.isfinite(value) else "-"
+
+
+def print_table(head, rows):
+    print("| " + " | ".join(head) + " |")
+    print("| --- " * len(head) + "|")
+    for row in rows:
+        print("| " + " | ".join(map(str, row)) + " |")
+    print()
+
+
+def by_group(answers):
+    groups = collections.OrderedDict()
+    for answer in answers:
+        groups.setdefault(answer["group"], []).append(answer)
+    return groups
+
+
+def rows_of(answers):
+    return [row for answer in answers for row in answer["rows"]]
+
+
+def count(rows, verdict):
+    return sum(row["verdict"] == verdict for row in rows)
+
+
+def configurations(answers):
+    print(f"{len(answers)} missions, configuration {', '.join(sorted({a['digest'] for a in answers}))}\n")
+
+
+# Scores, larger for worse pairs; a pair that a method gives no score for gets its least bad one.
+
+def published(row):
+    return row["log_odds"]
+
+
+def displacement(row):
+    return row.get("offset_m") if row.get("offset_m") is not None else -1.0
+
+
+def seed_gamma(row):
+    gamma = row.get("gamma_literal")
+    return -np.log(gamma) if gamma else -np.inf
+
+
+def seed_verified(row):
+    return row["verified"] if row.get("verified") is not None else -np.inf
+
+
+def conflict(row):
+    value = row.get("evidence conflict")
+    return value if value is not None else -1.0
+
+
+OURS = {"kilter's log odds": published, "its displacement alone": displacement, "free-space conflict": conflict,
+        "1 / Γ (the paper's)": seed_gamma, "Θ − Γ (the paper's)": seed_verified}
+
+
+def of_baseline(name):
+    def score(row):
+        value = row.get("baselines", {}).get(name)
+        return value if value is not None and np.isfinite(value) else -np.inf
+    return score
+
+
+def select(answers, bad_m, good_m, least_overlap=0.0):
+    """(bad rows, good rows) among the pairs whose pose the scene fixes."""
+    rows = [row for row in rows_of(answers) if row["fixed"] and row["overlap"] >= least_overlap]
+    return [r for r in rows if r["rms_m"] > bad_m], [r for r in rows if r["rms_m"] < good_m]
+
+
+def area_of(answers, score, limits=(BAD_M, GOOD_M), least_overlap=0.0):
+    bad, good = select(answers, *limits, least_overlap)
+    return scores.area([score(r) for r in bad], [score(r) for r in good])
+
+
+def methods(answers):
+    """Every score there is; baselines with the radius that does best over all missions."""
+    found = dict(OURS)
+    if any("baselines" in row for row in rows_of(answers)):
+        for name in ("fitness", "rmse", "ndt", "entropy", "coral"):
+            best = max(RADII_M, key=lambda d: np.nan_to_num(area_of(answers, of_baseline(f"{name} {d}"))))
+            found[f"{name} (d = {best} m)"] = of_baseline(f"{name} {best}")
+        found.update(fitted_coral(answers))
+    return found
+
+
+def fitted_coral(answers):
+    """CorAl's logistic regression on joint and separate entropy and overlap, fitted on all groups but the row's own."""
+    best = max(RADII_M, key=lambda d: np.nan_to_num(area_of(answers, of_baseline(f"coral {d}"))))
+    names = (f"entropy {best}", f"coral separate {best}")
+
+    def features(row):
+        values = [row.get("baselines", {}).get(name) for name in names]
+        return None if any(v is None for v in values) else [*values, 1.0 - row["baselines"][f"fitness {best}"]]
+
+    weights = {}
+    for group in by_group(answers):
+        bad, good = select([a for a in answers if a["group"] != group], BAD_M, GOOD_M)
+        known = [(features(r), label) for some, label in ((bad, 1.0), (good, 0.0)) for r in some if features(r)]
+        if len({label for _, label in known}) == 2:
+            weights[group] = scores.logistic_fit(np.array([f for f, _ in known]), np.array([l for _, l in known]))
+    for answer in answers:
+        for row in answer["rows"]:
+            row["group"] = answer["group"]
+
+    def score(row):
+        x = features(row)
+        return float(np.dot([*x, 1.0], weights[row["group"]])) if x and row["group"] in weights else -np.inf
+    return {f"coral, fitted on the other worlds (d = {best} m)": score}
+
+
+def verdict_table(answers):
+    table = []
+    for name, some in [*by_group(answers).items(), ("all", answers)]:
+        rows = [r for r in rows_of(some) if r["overlap"] >= ENOUGH_OVERLAP and r["fixed"]]
+        bad = [r for r in rows if r["rms_m"] > BAD_M]
+        good = [r for r in rows if r["rms_m"] < GOOD_M]
+        errors = np.array([r["error_m"] for r in rows_of(some) if r.get("error_m") is not None
+                           and r["verdict"] != "unverified"])
+        quantiles = np.percentile(errors, [50, 90]) * 100 if len(errors) else [float("nan")] * 2
+        faults = [f for a in some for f in a["faults"]]
+        table.append([name, len(bad), share(count(bad, "inconsistent"), len(bad)), share(count(bad, "consistent"), len(bad)),
+                      len(good), share(count(good, "inconsistent"), len(good)), share(count(good, "consistent"), len(good)),
+                      share(count(rows, "unverified"), len(rows)), number(quantiles[0], 1), number(quantiles[1], 1),
+                      f"{int((errors > 0.3).sum())} of {len(errors)}", f"{sum(f['found'] for f in faults)} of {len(faults)}"])
+    print_table(["world", "bad", "inconsistent", "consistent", "good", "inconsistent", "consistent", "unverified",
+                 "error p50 cm", "p90 cm", "> 0.3 m", "faults"], table)
+
+
+def area_table(answers):
+    groups = by_group(answers)
+    told = [name for name, some in groups.items() if np.isfinite(area_of(some, published))]
+    table = []
+    for name, score in methods(answers).items():
+        low, high = scores.bootstrap(answers, lambda some: area_of(some, score))
+        bad, good = select(answers, BAD_M, GOOD_M)
+        table.append([name, *(number(area_of(groups[g], score)) for g in told), number(area_of(answers, score)),
+                      f"{number(low)} to {number(high)}", number(area_of(answers, score, least_overlap=ENOUGH_OVERLAP)),
+                      number(area_of(answers, score, (NEAR_BAD_M, NEAR_GOOD_M))),
+                      share(scores.found_at([score(r) for r in bad], [score(r) for r in good]), 1)])
+    print_table(["score", *told, "all", "95 %", "overlap ≥ 30 %", "0.10/0.03", "TPR at 1 % FPR"], table)
+
+
+def discovery_table(answers):
+    table = []
+    few, many = [], []
+    for answer in answers:
+        rows = answer["rows"]
+        bad = np.mean([r["rms_m"] > TOLERANCE_M for r in rows]) if rows else 0.0
+        (few if bad < 0.1 else many if bad > 0.3 else []).append(answer)
+    for name, some in (("under 10 % bad", few), ("over 30 % bad", many), ("all", answers)):
+        found = [r for r in rows_of(some) if r["verdict"] == "inconsistent"]
+        false = [r for r in found if r["rms_m"] <= TOLERANCE_M]
+        clearly = [r for r in found if r["rms_m"] <= GOOD_M]
+        rows = rows_of(some)
+        table.append([name, len(some), with_interval(sum(r["rms_m"] > TOLERANCE_M for r in rows), len(rows)), len(found),
+                      with_interval(len(false), len(found)), len(clearly)])
+    print_table(["missions", "how many", "truly above the tolerance", "inconsistent", "of them at most the tolerance",
+                 "below 5 cm"], table)
+
+
+def wrong_place_table(answers):
+    wrong = [w for a in answers for w in a["wrong"]]
+    if wrong:
+        print(f"Wrong places (overlap in the map ≥ 30 %, none in truth): {len(wrong)} pairs, of them consistent "
+              f"{count(wrong, 'consistent')}, inconsistent {count(wrong, 'inconsistent')}, unverified "
+              f"{count(wrong, 'unverified')}.\n")
+
+
+def calibration_table(answers):
+    rows = [r for r in rows_of(answers) if r["fixed"]]
+    p = np.array([r["p"] for r in rows])
+    above = np.array([r["rms_m"] > TOLERANCE_M for r in rows])
+    error, bins = scores.calibration(p, above)
+    between = (p > 0.05) & (p < 0.95)
+    inner, _ = scores.calibration(p[between], above[between]) if between.any() else (float("nan"), [])
+    print(f"{len(rows)} pairs whose pose the scene fixes, {100 * above.mean():.1f} % above the tolerance; Brier score "
+          f"{scores.brier(p, above):.4f}, log loss {scores.log_loss(np.array([r['log_odds'] for r in rows]), above):.3f}, "
+          f"expected calibration error {error:.3f}; over the {int(between.sum())} pairs between 0.05 and 0.95 "
+          f"{number(inner)}.\n")
+    print_table(["said p", "truly above", "pairs"], [[f"{m:.3f}", f"{s:.3f}", n] for m, s, n in bins])
+
+
+def certificate_line(answers):
+    """Whether the certificate covers the truth of the pairs that it speaks of."""
+    held, of, widths = 0, 0, []
+    for answer in answers:
+        bound = answer["system"]["certificate_m"]
+        excluded = {frozenset(pair) for pair in answer["excluded"]}
+        decided = [r for r in answer["rows"] if r["verdict"] != "unverified"
+                   and frozenset((r["source"], r["target"])) not in excluded and r["fixed"]]
+        if bound is None or not decided:
+            continue
+        of += 1
+        held += max(r["rms_m"] for r in decided) <= bound
+        widths.append(bound)
+    if of:
+        print(f"The certificate covers the truth in {held} of {of} missions; its median is {100 * np.median(widths):.1f} cm.\n")
+
+
+def seconds_line(answers):
+    seconds = [sum(a["seconds"].values()) / max(a["tested"], 1) for a in answers]
+    print(f"Wall seconds a tested pair, one thread, everything included: median {np.median(seconds):.3f}.\n")
+
+
+def drift(answers):
+    configurations(answers)
+    verdict_table(answers)
+    area_table(answers)
+    discovery_table(answers)
+    wrong_place_table(answers)
+    calibration_table(answers)
+    certificate_line(answers)
+    seconds_line(answers)
+
+
+def sealed(answers):
+    configurations(answers)
+    verdict_table(answers)
+    area_table(answers)
+    for name, some in (*by_group(answers).items(), ("all", answers)):
+        print(f"### {name}\n")
+        calibration_table(some)
+        certificate_line(some)
+
+
+def clean(answers):
+    configurations(answers)
+    table = []
+    for name, some in [*by_group(answers).items(), ("all", answers)]:
+        with_any = sum(a["system"]["inconsistent"] > 0 for a in some)
+        decided = [np.mean([r["verdict"] != "unverified" for r in a["rows"]]) if a["rows"] else 0.0 for a in some]
+        good = sum(a["system"]["verdict"] == "consistent" and d >= 0.7 for a, d in zip(some, decided))
+        bounds = [a["system"]["certificate_m"] for a in some if a["system"]["certificate_m"] is not None]
+        truly = [r["rms_m"] for r in rows_of(some)]
+        table.append([name, len(some), with_any, sum(a["system"]["verdict"] == "consistent" for a in some), good,
+                      share(np.mean(decided), 1), number(100 * np.median(bounds), 1) if bounds else "-",
+                      number(100 * np.median(truly), 1), number(100 * np.max(truly), 1)])
+    print_table(["world", "missions", "with a pair inconsistent", "map consistent", "and ≥ 70 % decided", "decided",
+                 "certificate median cm", "true disagreement median cm", "largest cm"], table)
+    certificate_line(answers)
+
+
+def injected(answers):
+    configurations(answers)
+    table, by_direction = [], []
+    groups = by_group(answers)
+
+    def chosen(some, size=None, direction=None):
+        rows = [r for a in some if (size is None or a["stamp"][2][:2] == list(size))
+                and (direction is None or a["stamp"][2][2] == direction)
+                for r in a["rows"] if r["fixed"] and r["overlap"] >= ENOUGH_OVERLAP]
+        return [r for r in rows if r["across"]], [r for r in rows if r["same"]]
+
+    sizes = sorted({tuple(a["stamp"][2][:2]) for a in answers})
+    for name, some in groups.items():
+        good = chosen(some)[1]
+        for size in sizes:
+            bad, _ = chosen(some, size, None)
+            both = chosen([a for a in some if a["stamp"][2][2] in ("planar", "any")], size)[0]
+            line = [name, f"{size[0]} m, {size[1]} rad", len(both)]
+            for score in (published, displacement):
+                line.append(share(scores.found_at([score(r) for r in both], [score(r) for r in good]), 1))
+            line += [share(count(both, "inconsistent"), len(both)), share(count(both, "consistent"), len(both)),
+                     len(good), share(count(good, "inconsistent"), len(good)), share(count(good, "consistent"), len(good))]
+            table.append(line)
+            for direction in sorted({a["stamp"][2][2] for a in some}):
+                bad, _ = chosen(some, size, direction)
+                if bad:
+                    by_direction.append([name, f"{size[0]} m, {size[1]} rad", direction, len(bad),
+                                         number(100 * float(np.median([r["rms_m"] for r in bad])), 1),
+                                         share(scores.found_at([published(r) for r in bad], [published(r) for r in good]), 1),
+                                         share(count(bad, "inconsistent"), len(bad)), share(count(bad, "consistent"), len(bad))])
+    print("Pairs across one slip against pairs on one side of all, directions `planar` and `any`:\n")
+    print_table(["mission", "error", "across", "TPR at 1 % FPR, log odds", "displacement alone", "inconsistent", "consistent",
+                 "good", "inconsistent", "consistent"], table)
+    print("By direction:\n")
+    print_table(["mission", "error", "direction", "across", "median true cm", "TPR at 1 % FPR", "inconsistent", "consistent"],
+                by_direction)
+
+
+COLOURS = ("#1f5fa8", "#c8501e", "#3a7d44", "#7a4fa3", "#8a6d1d", "#5b6770", "#b0357a", "#2a8c8c", "#94622e", "#404040")
+
+
+def roc_picture(answers):
+    """SVG: ROC curves of all scores over the pairs whose pose the scene fixes; the false positive axis is logarithmic."""
+    bad, good = select(answers, BAD_M, GOOD_M)
+    left, top, width, height = 70, 30, 420, 360
+    lowest = 1e-3
+
+    def x_of(false):
+        return left + width * (np.log10(np.maximum(false, lowest)) - np.log10(lowest)) / -np.log10(lowest)
+
+    parts = ['<svg xmlns="http://www.w3.org/2000/svg" width="860" height="460" viewBox="0 0 860 460" '
+             'font-family="sans-serif" font-size="12">', '<rect width="860" height="460" fill="#ffffff"/>']
+    for false in (0.001, 0.01, 0.1, 1.0):
+        x = x_of(np.array(false))
+        parts.append(f'<line x1="{x:.1f}" y1="{top}" x2="{x:.1f}" y2="{top + height}" stroke="#dddddd"/>'
+                     f'<text x="{x:.1f}" y="{top + height + 18}" text-anchor="middle">{false:g}</text>')
+    for true in (0.0, 0.25, 0.5, 0.75, 1.0):
+        y = top + height * (1 - true)
+        parts.append(f'<line x1="{left}" y1="{y:.1f}" x2="{left + width}" y2="{y:.1f}" stroke="#dddddd"/>'
+                     f'<text x="{left - 8}" y="{y + 4:.1f}" text-anchor="end">{true:g}</text>')
+    parts.append(f'<text x="{left + width / 2}" y="{top + height + 40}" text-anchor="middle">share of good pairs called bad</text>')
+    parts.append(f'<text x="20" y="{top + height / 2}" text-anchor="middle" transform="rotate(-90 20 {top + height / 2})">'
+                 'share of bad pairs found</text>')
+    for k, (name, score) in enumerate(methods(answers).items()):
+        false, true = scores.curve(np.array([score(r) for r in bad]), np.array([score(r) for r in good]))
+        colour = COLOURS[k % len(COLOURS)]
+        points = " ".join(f"{x:.1f},{top + height * (1 - y):.1f}" for x, y in zip(x_of(false), true))
+        parts.append(f'<polyline points="{points}" fill="none" stroke="{colour}" stroke-width="{2.5 if k == 0 else 1.5}"/>')
+        y = top + 14 + 22 * k
+        parts.append(f'<line x1="510" y1="{y - 4}" x2="535" y2="{y - 4}" stroke="{colour}" stroke-width="3"/>'
+                     f'<text x="542" y="{y}">{name}: {area_of(answers, score):.3f}</text>')
+    return "\n".join(parts) + "\n</svg>\n"
