@@ -167,7 +167,7 @@ struct Slip {
 constexpr std::array<Slip, 5> kSlips = {{{0, 3, 0.45, 0.5 * kPi, 0.0},
                                          {0, 6, 0.45, 0.5 * kPi, 0.0},
                                          {0, 13, 0.42, 0.25 * kPi, 0.015},
-                                         {1, 11, 0.45, 0.33 * kPi, 0.0},
+                                         {1, 11, 0.45, 0.4 * kPi, 0.0},
                                          {1, 16, 0.45, 0.0, 0.015}}};
 
 }  // namespace
@@ -189,9 +189,12 @@ Scene make_paper_outdoor(const SceneOptions& options) {
   scene.scan_step_m = 0.5;
   scene.keep_range_m = 9.0;
   scene.slam.within_robots = scene.slam.between_robots = false;
+  // A milliradian at b's start is 9 cm where it ends. Beside the slips that much, along a passage where OICP mends
+  // nothing or beyond the metre that it searches, would decide what the figures show.
+  scene.slam.closure_sigma_rad = 0.0002;
   scene.slam.drift.bias_m_per_m = {0.0008, 0.0008, 0.0008};
-  scene.slam.drift.bias_rad_per_m = {0.00002, 0.00002, 0.00003};
-  scene.slam.drift.yaw_rad_per_rad = 0.0003;
+  scene.slam.drift.bias_rad_per_m = {0.00002, 0.00002, 0.00001};
+  scene.slam.drift.yaw_rad_per_rad = 0.0001;
   for (const Slip& slip : kSlips) {
     scene.faults.push_back({.kind = FaultKind::kSlip,
                             .robot = slip.robot,
