@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <numbers>
 
 #include "kilter/simulation/closures.h"
 #include "kilter/simulation/simulated_mission.h"
@@ -143,6 +144,35 @@ TEST(Scene, CleanMissionsHaveNoFaultsAndResidualsOfCentimetres) {
       EXPECT_GT(rms_m, 0.01) << name << seed;
       EXPECT_LT(rms_m, 0.05) << name << seed;
       EXPECT_LT(largest_m, 0.08) << name << seed;
+    }
+  }
+}
+
+// The scans that begin a submap: after 10 m of path or half a turn, as the paper's experiments are cut.
+std::vector<std::size_t> cuts_of(const std::vector<Pose3>& poses) {
+  std::vector<std::size_t> cuts = {0};
+  double path_m = 0.0;
+  double turned_rad = 0.0;
+  for (std::size_t i = 1; i < poses.size(); ++i) {
+    const Pose3 step = poses[i - 1].inverse() * poses[i];
+    path_m += step.translation_m().norm();
+    turned_rad += step.angle_rad();
+    if (path_m < 10.0 && turned_rad < std::numbers::pi) continue;
+    cuts.push_back(i);
+    path_m = turned_rad = 0.0;
+  }
+  return cuts;
+}
+
+TEST(Scene, ThePapersSubmapsBeginAtTheSameScansInEverySeed) {
+  for (const std::string name : {"paper-indoor", "paper-outdoor"}) {
+    const SimulatedMission first = mission_of(name, {.seed = 1});
+    for (std::uint64_t seed = 2; seed <= 20; ++seed) {
+      const SimulatedMission mission = mission_of(name, {.seed = seed});
+      for (std::size_t r = 0; r < 2; ++r) {
+        EXPECT_EQ(cuts_of(mission.robots()[r].T_world_sensor), cuts_of(first.robots()[r].T_world_sensor))
+            << name << ", seed " << seed << ", robot " << mission.robots()[r].name;
+      }
     }
   }
 }

@@ -19,27 +19,30 @@ using Way = std::vector<Vector3d>;
 constexpr double kHeight_m = 3.4;
 constexpr double kWidth_m = 2.2;
 
-// Where the loops turn; all else follows. North is +y.
+// Where the loops turn; all else follows. North is +y. The turns stand where they do so that every submap ends with a
+// scan at 9.5 to 9.9 m and none ends by how far its robot turned: the same places in every seed, whatever the odometry
+// adds or takes.
 struct Plan {
   Vector2d star{0.0, 0.0};  // both start and end here
   Vector2d hook{0.0, 5.2};  // where a's and b's ways home meet
   Vector2d fork{2.0, 6.6};  // a comes down from the north; an opening leads east
   Vector2d knee{4.6, 8.0};
-  double east_x = 8.2;
-  double a_north_y = 12.0;
-  double a_far_x = 21.0;
-  double a_top_y = 22.5;
-  Vector2d west{-6.0, 0.0};
-  Vector2d porch{-11.0, 2.9};  // b goes north from here into the hall
+  double east_x = 8.28;
+  double a_north_y = 12.13;
+  double a_far_x = 20.86;
+  double a_top_y = 22.18;
+  Vector2d west{-5.66, 0.0};
+  Vector2d porch{-11.32, 2.99};  // b goes north from here into the hall
+  Vector2d slit{-8.58, 1.54};    // on the way there it can look into the hall
   Vector2d hall_low{-15.0, 6.4};
   Vector2d hall_high{-8.0, 13.0};
   double west_y = 8.0;  // and leaves it to the west
-  double b_far_x = -25.8;
-  double b_top_y = 17.2;
-  double north_x = -13.5;  // comes back from the north
-  double north_turn_y = 8.2;
-  double exit_y = 9.3;  // and leaves it to the east
-  Vector2d bend{-4.2, 13.6};
+  double b_far_x = -26.03;
+  double b_top_y = 17.47;
+  double north_x = -13.7;  // comes back from the north
+  double north_turn_y = 9.06;
+  double exit_y = 8.96;  // and leaves it to the east
+  Vector2d bend{-4.1, 13.85};
 };
 
 Way on_floor(const std::vector<Vector2d>& points) {
@@ -89,13 +92,15 @@ FloorPlan floor_plan(const Plan& p) {
   plan.add_corridor({p.knee.x(), p.a_top_y}, p.knee, 2.0);
   plan.add_passage(p.knee, {p.knee.x(), 0.0}, 2.0);
   plan.add_corridor(p.knee, p.fork, 1.6);
-  plan.add_passage(p.fork, {p.east_x, p.fork.y() - 0.2}, 0.66);
+  plan.add_passage(p.fork, {p.east_x, p.fork.y() - 0.2}, 0.9);
   plan.add_corridor(p.fork, p.hook, 1.8);
   plan.add_corridor(p.hook, p.star, 2.0);
   // Robot b's loop.
   plan.add_corridor(p.star, p.west, kWidth_m);
   plan.add_corridor(p.west, p.porch, kWidth_m);
   plan.add_passage(p.porch, {p.porch.x(), p.hall_low.y() + 0.2}, 1.8);
+  // Of what one submap sees as a strip, another that sees all of it has most voxels within a metre and few in place.
+  plan.add_passage(p.slit, {p.slit.x(), p.hall_low.y() + 0.2}, 0.35);
   const double hall_y = 0.5 * (p.hall_low.y() + p.hall_high.y());
   plan.add_passage({p.hall_low.x(), hall_y}, {p.hall_high.x(), hall_y}, p.hall_high.y() - p.hall_low.y());
   plan.add_passage({p.hall_low.x() + 0.2, p.west_y}, {p.b_far_x, p.west_y}, kWidth_m);
@@ -165,13 +170,14 @@ Scene make_paper_indoor(const SceneOptions& options) {
   finish_routes(scene, options, {.speed_mps = 0.7, .sensor_height_m = 1.3});
   scene.routes[1].start_s = 300.0;  // one session after the other
   hang_doors(door_places(plan), kHeight_m, scene);
-  scene.scan_step_m = 0.515;
+  scene.scan_step_m = 0.56;
   scene.keep_range_m = 9.0;
+  scene.slam.drift.bias_m_per_m = {0.001, 0.001, 0.001};
   scene.slam.drift.bias_rad_per_m = {0.00005, 0.00005, 0.0002};
   scene.slam.drift.yaw_rad_per_rad = 0.001;
   scene.faults = {{.kind = FaultKind::kMissedClosure,
                    .robot = 1,
-                   .from = 0.4,
+                   .from = 0.47,
                    .until = 0.68,
                    .at = 0.62,
                    .size_m = 0.63,
