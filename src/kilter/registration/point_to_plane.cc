@@ -197,7 +197,9 @@ RegistrationResult finish(PlanePair& pair, const Pose3& start, Descent descent, 
                              options.search_distance_m);
   result.T_target_source = descent.T;
   result.residual_rms_m = std::sqrt(look.equations.squares_m2 / look.equations.weight);
-  describe_uncertainty(look.residuals, look.equations, look.split, kPatchVoxels * resolution_m, prior, result);
+  // A bent submap's patches lie off by what is measured as bend, and neighbours alike: hence all of it on each axis.
+  const double patch_sigma_m = std::hypot(kPatchVoxels * resolution_m, result.bend.rms_m);
+  describe_uncertainty(look.residuals, look.equations, look.split, patch_sigma_m, prior, result);
   return result;
 }
 
