@@ -14,6 +14,11 @@ import unittest
 from kilter_runner import SOURCE_DIR, main, run_kilter
 from tiny_mission import TinyMission
 
+
+def source(path: str) -> str:
+    return (SOURCE_DIR / path).read_text()
+
+
 COMMANDS = ("check", "info", "simulate", "submaps", "config show", "explain")
 COMMON = ("--config", "--set", "--jobs", "--memory", "--quiet", "--verbose", "--json", "--no-color")
 # Keys that scripts rely on, with their defaults.
@@ -114,6 +119,17 @@ class Explain(unittest.TestCase):
             self.assertGreater(len(explanations[name]), 40)
         for name in explanations:
             self.assertTrue(run_kilter("explain", name).stdout.startswith(f"{name}\n  "))
+
+    def test_no_code_that_can_be_printed_is_missing(self):
+        """Held against the sources: a code that somebody adds has to be explained, or this fails."""
+        explained = json.loads(run_kilter("explain", "--json").stdout)
+        errors = re.search(r"enum class ErrorCode \{(.*?)\};", source("src/kilter/base/expected.h"), re.S)
+        names = [re.sub(r"(?<!^)([A-Z])", r"-\1", name).lower() for name in re.findall(r"\bk([A-Z]\w+),", errors[1])]
+        oddities = re.findall(r'(?:say\(|push_back\(\{)"([a-z-]+)"', source("src/kilter/io/find_oddities.cc"))
+        schema = json.loads(source("docs/result.schema.json"))["$defs"]
+        verdicts = [word for of in ("pair", "system") for word in schema[of]["properties"]["verdict"]["enum"]]
+        self.assertGreaterEqual((len(names), len(set(oddities)), len(verdicts)), (17, 11, 6))
+        self.assertEqual([name for name in names + oddities + verdicts if name not in explained], [])
 
 
 class Info(unittest.TestCase):
