@@ -26,7 +26,7 @@ inline kilter::Expected<Walked> walk_all(kilter::Expected<std::unique_ptr<kilter
   Walked walked;
   std::vector<kilter::MessagePlace> places;
   std::vector<std::string> heads;
-  const auto done = (*reader)->walk([&](const kilter::PassingMessage& message) {
+  const auto done = (*reader)->walk_all([&](const kilter::PassingMessage& message) {
     places.push_back(message.place);
     heads.emplace_back(message.bytes);
   });

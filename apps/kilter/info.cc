@@ -52,7 +52,8 @@ std::string stamps_in_words(const RobotInspection& robot) {
 
 std::string points_in_words(const RobotInspection& robot) {
   if (!robot.points) return "points not counted";
-  return fmt::format("{}{} points", robot.points->estimated ? "about " : "", robot.points->points);
+  return fmt::format("{}{} {}{}", robot.points->estimated ? "about " : "", robot.points->points,
+                     robot.points_are_voxels ? "occupied voxels" : "points", robot.clouds_unread > 0 ? " in all" : "");
 }
 
 // Whatever else the frames are, a ground robot's vertical is the direction it moves in least.
@@ -74,6 +75,7 @@ void write_robot(JsonWriter& json, const RobotInspection& robot) {
   json.open_object(JsonWriter::Layout::kCompact).field("name", robot.name).field("kind", robot.kind);
   json.field("finished_submaps", robot.finished_submaps).field("clouds", robot.clouds);
   json.field("clouds_found", robot.clouds_found).field("poses_found", robot.poses_found);
+  json.field("clouds_unread", robot.clouds_unread);
   json.field("points", robot.points ? std::optional(static_cast<double>(robot.points->points)) : std::nullopt);
   json.field("points_estimated", robot.points && robot.points->estimated);
   json.field("path_length_m", robot.path_length_m);
@@ -111,6 +113,10 @@ std::string robot_as_text(const RobotInspection& robot) {
   const Eigen::Vector3d low = robot.extent_world_m.min();
   const Eigen::Vector3d high = robot.extent_world_m.max();
   std::string text = fmt::format("{} ({})\n", printable(robot.name), robot.kind);
+  if (robot.clouds_unread > 0) {
+    text += fmt::format("  only the first {} of {} scans were looked at: unpacking takes long\n", robot.clouds_found,
+                        robot.clouds_found + robot.clouds_unread);
+  }
   text += fmt::format("  {} {}, {}; poses matched {} of {}\n", robot.clouds,
                       robot.finished_submaps ? "finished submaps" : "scans", points_in_words(robot), robot.clouds,
                       std::max(robot.clouds_found, robot.poses_found));
@@ -149,6 +155,7 @@ int run_info(const InfoCommand& command) {
   if (!settings) return print_error(settings.error());
   MissionOptions options;
   options.T_body_sensor = settings->T_body_sensor;
+  options.glance = true;
   if (command.poses_folder) options.poses_folder = *command.poses_folder;
   const Expected<Mission> mission = open_mission(command.sources, options);
   if (!mission) return print_error(mission.error());

@@ -78,6 +78,8 @@ class Finder {
     const std::vector<double> steps = steps_m(robot_);
     if (steps.empty() || robot_.finished_submaps) return;
     if (seen_.path_length_m < kNearlyStill_m) {
+      // Most recordings begin before the robot moves.
+      if (seen_.clouds_unread > 0) return;
       say("no-motion", fmt::format("{} poses within {:.0f} cm", seen_.clouds, 100.0 * seen_.path_length_m));
       return;
     }
@@ -178,7 +180,8 @@ void compare_robots(std::span<const RobotLog> robots, std::span<const RobotInspe
                          fmt::format("its poses and clouds are those of {}", printable(robots[k].name))});
       }
     }
-    if (robots.size() > 1 && nearest_m > kFar_m) {
+    const bool is_whole = std::all_of(seen.begin(), seen.end(), [](const auto& one) { return one.clouds_unread == 0; });
+    if (robots.size() > 1 && nearest_m > kFar_m && is_whole) {
       found.push_back({"far-robot", robots[i].name, fmt::format("{:.0f} m from the nearest other", nearest_m)});
     }
   }

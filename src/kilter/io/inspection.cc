@@ -25,7 +25,34 @@ std::optional<PointCount> count_points(const RobotLog& robot) {
     count.points += *peek->points;
   }
   count.estimated = stride > 1;
-  if (count.estimated) count.points = count.points / peeked * clouds;
+  if (robot.clouds_unread > 0) count.estimated = true;
+  if (count.estimated) count.points = count.points / peeked * (clouds + robot.clouds_unread);
+  return count;
+}
+
+std::uint64_t occupied_voxels(const OccupancyCells& known) {
+  std::uint64_t voxels = 0;
+  for (const OccupancyCell& cell : known.cells) {
+    if (cell.log_odds >= OccupancyCells::kOccupiedFrom) voxels += std::uint64_t{1} << (3 * cell.level);
+  }
+  return voxels;
+}
+
+// Octrees say how large they are only when they are read: as many as are read at once, the first in any case.
+Expected<PointCount> count_voxels(const RobotLog& robot) {
+  constexpr std::size_t kMostLeaves = 5'000'000;
+  const std::size_t trees = robot.T_world_cloud.size();
+  PointCount count;
+  std::size_t leaves = 0;
+  std::size_t read = 0;
+  for (; read < trees && leaves < kMostLeaves; ++read) {
+    const Expected<OccupancyCells> known = robot.read_cells(read);
+    if (!known) return pass_up(known.error());
+    leaves += known->cells.size();
+    count.points += occupied_voxels(*known);
+  }
+  count.estimated = read < trees;
+  if (count.estimated) count.points = count.points / read * trees;
   return count;
 }
 
@@ -46,6 +73,7 @@ Expected<RobotInspection> look_at(const RobotLog& robot, std::size_t submaps) {
   seen.clouds = robot.T_world_cloud.size();
   seen.clouds_found = robot.clouds_found;
   seen.poses_found = robot.poses_found;
+  seen.clouds_unread = robot.clouds_unread;
   seen.points = count_points(robot);
   seen.path_length_m = path_lengths_m(robot.T_world_cloud).back();
   for (const Pose3& pose : robot.T_world_cloud) seen.extent_world_m.extend(pose.translation_m());
@@ -54,6 +82,12 @@ Expected<RobotInspection> look_at(const RobotLog& robot, std::size_t submaps) {
     seen.last_ns = robot.stamps_ns.back();
   }
   seen.likely_submaps = submaps;
+  if (robot.read_cells) {
+    const Expected<PointCount> voxels = count_voxels(robot);
+    if (!voxels) return pass_up(voxels.error());
+    seen.points = *voxels;
+    seen.points_are_voxels = true;
+  }
   if (!robot.read_cloud) return seen;  // occupancy maps have no points
   const Expected<PointCloud> cloud = robot.read_cloud(0);
   if (!cloud) return pass_up(cloud.error());

@@ -16,7 +16,7 @@
 
 namespace kilter {
 
-/// How many points a robot's clouds hold.
+/// How many points a robot's clouds hold; of octrees, how many voxels of their own size they know to be occupied.
 struct PointCount {
   std::uint64_t points = 0;
   bool estimated = false;  ///< from some of the clouds
@@ -30,7 +30,9 @@ struct RobotInspection {
   std::size_t clouds = 0;  ///< that have a pose
   std::size_t clouds_found = 0;
   std::size_t poses_found = 0;
+  std::size_t clouds_unread = 0;     ///< beyond what a glance took in: all but `points` leaves them out
   std::optional<PointCount> points;  ///< absent where headers do not tell
+  bool points_are_voxels = false;    ///< of octrees
   double path_length_m = 0.0;
   Eigen::AlignedBox3d extent_world_m;    ///< of the poses
   std::optional<std::int64_t> first_ns;  ///< stamp of the first cloud, where there are stamps
@@ -52,8 +54,9 @@ struct Inspection {
 };
 
 /// Looks at a mission without building anything: headers of all clouds (of some thousand at most), the first cloud of
-/// each robot, and as many clouds as it takes to tell whether neighbours are the same.
-/// \return  or what reading a first cloud fails with.
+/// each robot, octrees of five million leaves together, and as many clouds as it takes to tell whether neighbours are
+/// the same.
+/// \return  or what reading a first cloud or octree fails with.
 [[nodiscard]] Expected<Inspection> inspect(const Mission& mission, const CuttingOptions& cutting);
 
 }  // namespace kilter

@@ -69,6 +69,44 @@ TEST(Inspect, CountsWithoutReadingEverything) {
   EXPECT_EQ(codes(inspection), Codes{});
 }
 
+TEST(Inspect, SaysThatPointsOfCloudsNobodyLookedAtAreAnEstimate) {
+  RobotLog log = robot("a");
+  log.clouds_unread = 90;
+  const Inspection inspection = inspected({std::move(log)});
+  const RobotInspection& seen = inspection.robots.at(0);
+  EXPECT_EQ(seen.clouds_unread, 90U);
+  EXPECT_TRUE(seen.points->estimated);
+  EXPECT_EQ(seen.points->points, 120'000U);
+  EXPECT_DOUBLE_EQ(seen.path_length_m, 9.0);
+  EXPECT_EQ(codes(inspection), Codes{});
+}
+
+TEST(Inspect, TakesNoBeginningForTheWholeWay) {
+  // A robot that has not moved yet, and two that may still meet.
+  RobotLog still = robot("a");
+  for (Pose3& pose : still.T_world_cloud) pose = Pose3();
+  still.clouds_unread = 90;
+  EXPECT_EQ(codes(inspected({std::move(still), robot("b", 1000.0)})), Codes{});
+}
+
+TEST(Inspect, CountsTheVoxelsThatOctreesKnowToBeOccupied) {
+  RobotLog log = robot("a");
+  log.finished_submaps = true;
+  log.peek_cloud = nullptr;
+  log.read_cloud = nullptr;
+  log.read_cells = [](std::size_t) -> Expected<OccupancyCells> {
+    return OccupancyCells{0.1, {{{0, 0, 0}, 0, 0.8F}, {{1, 0, 0}, 0, -0.4F}, {{8, 8, 8}, 1, 0.0F}}};
+  };
+  const Inspection inspection = inspected({log});
+  EXPECT_TRUE(inspection.robots[0].points_are_voxels);
+  EXPECT_EQ(inspection.robots[0].points->points, 90U);
+  EXPECT_FALSE(inspection.robots[0].points->estimated);
+  log.read_cells = [](std::size_t) -> Expected<OccupancyCells> { return fail(ErrorCode::kTruncated, "short", "f"); };
+  Mission mission;
+  mission.robots.push_back(log);
+  EXPECT_FALSE(inspect(mission, {}));
+}
+
 TEST(Inspect, EstimatesPointsOfVeryManyClouds) {
   RobotLog log = robot("a");
   log.T_world_cloud.resize(5000, log.T_world_cloud.back());

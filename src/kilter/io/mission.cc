@@ -288,6 +288,7 @@ Expected<void> replace_poses(RobotLog& log, const fs::path& folder) {
 Expected<RobotLog> open_robot(const FoundRobot& robot, const MissionOptions& options, std::vector<std::string>& notes) {
   SourceRequest request{robot.path, robot.name, std::nullopt, robot.topics};
   if (options.poses_folder) request.poses_folder = *options.poses_folder / robot.name;
+  request.glance = options.glance && !options.poses_folder;
   Expected<RobotLog> log = robot.kind->open(request, notes);
   if (!log) return log;
   log->kind = robot.kind->name;
@@ -305,6 +306,7 @@ void count_in(const RobotLog& log, bool is_own_folder, SourceSummary& source) {
   if (is_own_folder) source.kind = "mission";
   source.finished_submaps = source.finished_submaps || log.finished_submaps;
   source.clouds += log.T_world_cloud.size();
+  source.clouds_unread += log.clouds_unread;
   ++source.robots;
 }
 
@@ -343,8 +345,10 @@ std::string describe(const SourceSummary& source) {
   const auto counted = [](std::size_t count, std::string_view what) {
     return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
   };
-  return fmt::format("{}, {}, {}", source.kind, counted(source.clouds, source.finished_submaps ? "submap" : "scan"),
-                     counted(source.robots, "robot"));
+  const std::string clouds = counted(source.clouds, source.finished_submaps ? "submap" : "scan");
+  const std::string unread =
+      source.clouds_unread > 0 ? fmt::format(" and {} that were not looked at", source.clouds_unread) : "";
+  return fmt::format("{}, {}{}, {}", source.kind, clouds, unread, counted(source.robots, "robot"));
 }
 
 }  // namespace kilter

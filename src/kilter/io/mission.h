@@ -20,6 +20,9 @@ struct MissionOptions {
   std::optional<std::filesystem::path> poses_folder;
   /// Where poses are the vehicle's: the sensor's place on it, by robot; "" stands for all others.
   std::map<std::string, Pose3> T_body_sensor;
+  /// Whether the beginning is enough of a source of which reading all takes long, a bag packed by bzip2 for example:
+  /// RobotLog::clouds_unread. Not together with other poses, which are for all of it.
+  bool glance = false;
 };
 
 /// What one command-line source turned out to be.
@@ -28,6 +31,7 @@ struct SourceSummary {
   std::string kind;    ///< "GLIM dump"
   std::size_t robots = 0;
   std::size_t clouds = 0;
+  std::size_t clouds_unread = 0;  ///< beyond what a glance took in
   bool finished_submaps = false;
 };
 

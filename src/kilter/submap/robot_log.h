@@ -37,6 +37,8 @@ struct RobotLog {
   /// What the source held before clouds and poses were brought together; equal to the size above where each had one.
   std::size_t clouds_found = 0;
   std::size_t poses_found = 0;
+  /// Where only a glance was asked for and reading all takes long: how many clouds follow that nobody looked at.
+  std::size_t clouds_unread = 0;
   /// Each cloud is a whole submap in its own frame, not a scan: no sensor origin, so no free space but what read_cells
   /// brings.
   bool finished_submaps = false;

@@ -98,7 +98,7 @@ Expected<const CloudTopic*> choose_clouds(const Context& context) {
   });
   const CloudTopic* best = nullptr;
   const auto worth = [&](const CloudTopic& topic) {
-    return std::tuple(!is_in_world(context.contents, topic.frame), topic.clouds.size());
+    return std::tuple(!is_in_world(context.contents, topic.frame), topic.clouds.size() + topic.unread);
   };
   for (const CloudTopic& topic : all) {
     if (topic.clouds.empty() || (is_choosy && !context.wants(topic.topic.name))) continue;
@@ -115,6 +115,12 @@ Expected<const CloudTopic*> choose_clouds(const Context& context) {
       fmt::format("{} clouds from {}, {}", best->clouds.size(), label(best->topic), quoted_frame(best->frame));
   if (!others.empty()) text += fmt::format("; not from {}: name one as PATH#/TOPIC", some_of(others));
   context.note(text);
+  if (best->unread > 0) {
+    context.note(
+        fmt::format("only the first {} of {} clouds were looked at, since unpacking takes long; what is said of poses, "
+                    "path, stamps and submaps is of these",
+                    best->clouds.size(), best->clouds.size() + best->unread));
+  }
   note_unusable(context, best->topic, best->other_frames, best->unusable);
   return best;
 }

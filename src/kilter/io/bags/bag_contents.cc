@@ -27,7 +27,7 @@ class Collector {
  public:
   explicit Collector(const BagFiles& files) : files_(files) {}
 
-  Expected<void> collect(std::uint32_t file);
+  Expected<void> collect(std::uint32_t file, UnpackingBudget& budget);
   Expected<BagContents> finish();
 
  private:
@@ -142,10 +142,11 @@ void Collector::take(std::uint32_t file, const BagTopic& topic, const PassingMes
   take_pose(topic, message, bytes, where);
 }
 
-Expected<void> Collector::collect(std::uint32_t file) {
+Expected<void> Collector::collect(std::uint32_t file, UnpackingBudget& budget) {
   BagReader& reader = *files_[file];
   index_of_.clear();
-  auto done = reader.walk([&](const PassingMessage& message) { take(file, reader.topics()[message.topic], message); });
+  auto done =
+      reader.walk([&](const PassingMessage& message) { take(file, reader.topics()[message.topic], message); }, budget);
   if (!done) return done;
   for (const BagTopic& topic : reader.topics()) {
     const auto found = std::find_if(contents_.topics.begin(), contents_.topics.end(),
@@ -187,6 +188,9 @@ Expected<BagContents> Collector::finish() {
   std::sort(contents_.topics.begin(), contents_.topics.end(),
             [](const BagTopic& a, const BagTopic& b) { return std::tie(a.name, a.type) < std::tie(b.name, b.type); });
   for (CloudTopic& clouds : contents_.clouds) {
+    const auto topic = std::find_if(contents_.topics.begin(), contents_.topics.end(),
+                                    [&](const BagTopic& known) { return same_topic(known, clouds.topic); });
+    clouds.unread = topic->messages - clouds.clouds.size() - clouds.other_frames - clouds.unusable.messages;
     std::stable_sort(clouds.clouds.begin(), clouds.clouds.end(),
                      [](const CloudMessage& a, const CloudMessage& b) { return a.stamp_ns < b.stamp_ns; });
   }
@@ -195,10 +199,10 @@ Expected<BagContents> Collector::finish() {
 
 }  // namespace
 
-Expected<BagContents> read_contents(const BagFiles& files) {
+Expected<BagContents> read_contents(const BagFiles& files, UnpackingBudget budget) {
   Collector collector(files);
   for (std::uint32_t file = 0; file < files.size(); ++file) {
-    if (auto ok = collector.collect(file); !ok) return pass_up(ok.error());
+    if (auto ok = collector.collect(file, budget); !ok) return pass_up(ok.error());
   }
   return collector.finish();
 }

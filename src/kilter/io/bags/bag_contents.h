@@ -44,6 +44,7 @@ struct CloudTopic {
   std::string frame;  ///< of the first cloud; those of other frames are left out
   std::vector<CloudMessage> clouds;
   std::size_t other_frames = 0;
+  std::size_t unread = 0;  ///< passed over since the budget was used up
   Unusable unusable;
 };
 
@@ -67,9 +68,9 @@ struct BagContents {
   Unusable unusable_transforms;
 };
 
-/// Goes once through all files.
+/// Goes once through all files, which share a budget.
 /// \return  what their readers' walks fail with.
-[[nodiscard]] Expected<BagContents> read_contents(const BagFiles& files);
+[[nodiscard]] Expected<BagContents> read_contents(const BagFiles& files, UnpackingBudget budget = {});
 
 /// Reads a message again, and unpacks it where it was packed by itself (Zstandard, `ros2 bag record --compression-mode
 /// message`). May be called from several threads at once.

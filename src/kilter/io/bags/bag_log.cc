@@ -48,8 +48,8 @@ CloudPeek peek_cloud(const OpenBag& bag, std::size_t i) {
 }  // namespace
 
 Expected<RobotLog> make_bag_log(std::string name, BagFiles files, const WantedTopics& wanted, const std::string& where,
-                                std::vector<std::string>& notes) {
-  const auto contents = read_contents(files);
+                                std::vector<std::string>& notes, UnpackingBudget budget) {
+  const auto contents = read_contents(files, budget);
   if (!contents) return pass_up(contents.error());
   std::string first_note;
   for (const auto& file : files) {
@@ -70,6 +70,7 @@ Expected<RobotLog> make_bag_log(std::string name, BagFiles files, const WantedTo
   log.name = std::move(name);
   log.clouds_found = choice->stamps_ns.size();
   log.poses_found = choice->poses_found;
+  log.clouds_unread = choice->clouds->unread;
   for (const std::size_t i : choice->matched) {
     bag->clouds.push_back(choice->clouds->clouds[i]);
     log.stamps_ns.push_back(choice->stamps_ns[i]);

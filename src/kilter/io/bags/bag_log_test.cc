@@ -4,10 +4,13 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <thread>
 
+#include "kilter/io/bags/mcap.h"
+#include "kilter/io/bags/rosbag1.h"
 #include "kilter/io/mission.h"
 #include "testing/bag_walk.h"
 #include "testing/temp_folder.h"
@@ -24,6 +27,7 @@ using testing::Contains;
 using testing::HasSubstr;
 
 constexpr RosDialect kCdr = RosDialect::kCdrLittle;
+const MissionOptions kGlance = {.poses_folder = {}, .T_body_sensor = {}, .glance = true};
 constexpr std::int64_t kTenth = 100'000'000;
 constexpr std::int64_t kStart = 1'700'000'000'000'000'000;
 
@@ -46,6 +50,72 @@ RecordedMessage odometry(int i, double x, const std::string& topic = "/odom", co
 }
 
 double x_of(const Mission& mission, std::size_t i) { return mission.robots[0].T_world_cloud[i].translation_m().x(); }
+
+Expected<RobotLog> log_within(UnpackingBudget budget, std::unique_ptr<BagReader> reader,
+                              std::vector<std::string>& notes) {
+  BagFiles files;
+  files.push_back(std::move(reader));
+  return make_bag_log("a", std::move(files), {}, "run", notes, budget);
+}
+
+TEST(BagLog, CountsWhatItHasNoBudgetToUnpack) {
+  // Chunks of two messages, one cloud in three; the first chunk is always read.
+  const std::string bag = rosbag1_bytes(small_drive(RosDialect::kRos1, 6),
+                                        {.packing = kilter_testing::BagPacking::kBz2, .messages_per_chunk = 5});
+  const std::string mcap =
+      mcap_bytes(small_drive(kCdr, 6), {.packing = kilter_testing::BagPacking::kZstd, .messages_per_chunk = 5});
+  for (const bool is_mcap : {false, true}) {
+    SCOPED_TRACE(is_mcap);
+    const auto open = [&] {
+      return is_mcap ? open_mcap(RandomAccessFile::over(mcap, "run")).value()
+                     : open_rosbag1(RandomAccessFile::over(bag, "run")).value();
+    };
+    std::vector<std::string> notes;
+    const auto whole = log_within({}, open(), notes);
+    ASSERT_TRUE(whole) << to_string(whole.error());
+    EXPECT_EQ(whole->clouds_found, 6U);
+    EXPECT_EQ(whole->clouds_unread, 0U);
+    EXPECT_THAT(notes, testing::Not(Contains(HasSubstr("looked at"))));
+    const auto glance = log_within(UnpackingBudget(1), open(), notes);
+    ASSERT_TRUE(glance) << to_string(glance.error());
+    EXPECT_EQ(glance->clouds_found, 1U);
+    EXPECT_EQ(glance->clouds_unread, 5U);
+    EXPECT_EQ(glance->T_world_cloud.front().translation_m(), whole->T_world_cloud.front().translation_m());
+    EXPECT_THAT(notes, Contains(HasSubstr("only the first 1 of 6 clouds were looked at")));
+  }
+}
+
+TEST(BagLog, ReadsAllWhereNoIndexTellsWhatIsPassedOver) {
+  std::vector<std::string> notes;
+  const std::string bag =
+      rosbag1_bytes(small_drive(RosDialect::kRos1, 6),
+                    {.packing = kilter_testing::BagPacking::kBz2, .messages_per_chunk = 5, .is_closed = false});
+  // What follows the last chunk of a bag that was never closed cannot be told from an index that was cut off.
+  const auto glance = log_within(UnpackingBudget(1), open_rosbag1(RandomAccessFile::over(bag, "run")).value(), notes);
+  ASSERT_FALSE(glance);
+  EXPECT_EQ(glance.error().code, ErrorCode::kUnsupported);
+  const kilter_testing::TempFolder folder;
+  const auto mission = open_mission({folder.write("run.bag", bag)}, kGlance);
+  ASSERT_TRUE(mission) << to_string(mission.error());
+  EXPECT_EQ(mission->robots[0].clouds_found, 6U);
+  EXPECT_EQ(mission->robots[0].clouds_unread, 0U);
+}
+
+TEST(BagLog, LooksFurtherWhereTheBeginningOfABagIsNotEnough) {
+  // Only the last chunk has poses.
+  auto messages = small_drive(RosDialect::kRos1, 4);
+  std::stable_partition(messages.begin(), messages.end(),
+                        [](const RecordedMessage& message) { return message.topic != "/odom"; });
+  const kilter_testing::TempFolder folder;
+  const std::string bag =
+      rosbag1_bytes(messages, {.packing = kilter_testing::BagPacking::kBz2, .messages_per_chunk = 3});
+  std::vector<std::string> notes;
+  const auto glance = log_within(UnpackingBudget(1), open_rosbag1(RandomAccessFile::over(bag, "run")).value(), notes);
+  ASSERT_FALSE(glance);
+  const auto mission = open_mission({folder.write("run.bag", bag)}, kGlance);
+  ASSERT_TRUE(mission) << to_string(mission.error());
+  EXPECT_EQ(mission->robots[0].clouds_found, 4U);
+}
 
 TEST(BagLog, ReadsTheSameFromEveryKindOfBag) {
   const kilter_testing::TempFolder folder;

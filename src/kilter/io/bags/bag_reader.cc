@@ -5,8 +5,17 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 
 namespace kilter {
+
+bool UnpackingBudget::take(Packing packing, std::uint64_t unpacked_bytes) {
+  constexpr std::uint64_t kFaster = 30;
+  const bool was_left = left_ > 0;
+  const std::uint64_t cost = packing == Packing::kBz2 ? unpacked_bytes : unpacked_bytes / kFaster + 1;
+  left_ -= std::min(left_, cost);
+  return was_left;
+}
 
 Expected<std::size_t> BagReader::find_or_add(BagTopic topic, const std::string& where) {
   const auto found = std::find_if(topics_.begin(), topics_.end(), [&](const BagTopic& known) {
@@ -19,6 +28,11 @@ Expected<std::size_t> BagReader::find_or_add(BagTopic topic, const std::string& 
   if (topic.encoding != MessageEncoding::kOther) topic.ros_type = ros_type_of(topic.type);
   topics_.push_back(std::move(topic));
   return topics_.size() - 1;
+}
+
+tl::unexpected<Error> BagReader::refuse_to_pass_over(std::string where) {
+  return fail(ErrorCode::kUnsupported,
+              "too much has to be unpacked for a glance, and no index tells what a chunk holds", std::move(where));
 }
 
 }  // namespace kilter

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "kilter/base/expected.h"
+#include "kilter/io/bags/decompress.h"
 #include "kilter/io/bags/ros_type.h"
 #include "kilter/io/file.h"
 
@@ -51,6 +52,22 @@ struct PassingMessage {
 /// A recording has some hundred topics at most.
 inline constexpr std::size_t kMaxTopics = 4096;
 
+/// How much a walk may unpack. Once it is used up, packed chunks are passed over whose index tells how many messages of
+/// which topic they hold, so that a recording's beginning is read and the rest is counted.
+class UnpackingBudget {
+ public:
+  /// Without end.
+  UnpackingBudget() = default;
+  /// \param bz2_bytes  what bzip2 may unpack to; of LZ4 and Zstandard, which are that much faster, 30 times as much
+  explicit UnpackingBudget(std::uint64_t bz2_bytes) : left_(bz2_bytes) {}
+
+  /// Takes the cost of one chunk. \return whether anything was left for it.
+  bool take(Packing packing, std::uint64_t unpacked_bytes);
+
+ private:
+  std::uint64_t left_ = std::numeric_limits<std::uint64_t>::max();
+};
+
 using MessageVisitor = std::function<void(const PassingMessage&)>;
 
 /// One file of a recording. Never held whole.
@@ -64,11 +81,18 @@ class BagReader {
   virtual ~BagReader() = default;
 
   /// Goes once through all messages, in the order of the file, counts each, and shows those of a type that kilter
-  /// reads. Chunks that hold none of them are passed over where an index says so. A recording that was cut short is
-  /// read as far as it is whole, and notes() says so.
+  /// reads. Chunks that hold none of them are passed over where an index says so, and so are those for which nothing of
+  /// the budget is left. A recording that was cut short is read as far as it is whole, and notes() says so.
   ///
-  /// \return  kParse, kTruncated, kUnsupported, kIo, kOutOfMemory with the byte offset.
-  [[nodiscard]] virtual Expected<void> walk(const MessageVisitor& visit) = 0;
+  /// \return  kParse, kTruncated, kUnsupported (also: the budget is used up and no index tells what a chunk holds),
+  ///          kIo, kOutOfMemory with the byte offset.
+  [[nodiscard]] virtual Expected<void> walk(const MessageVisitor& visit, UnpackingBudget& budget) = 0;
+
+  /// The same to the end, however much there is to unpack.
+  [[nodiscard]] Expected<void> walk_all(const MessageVisitor& visit) {
+    UnpackingBudget without_end;
+    return walk(visit, without_end);
+  }
 
   /// Reads one message again. May be called from several threads at once. \return what walk fails with.
   [[nodiscard]] virtual Expected<MessageBytes> read(const MessagePlace& place) const = 0;
@@ -84,6 +108,9 @@ class BagReader {
   /// The topic of this name, type and encoding, made if there is none yet; its ros_type is set here.
   /// \return  its index; or kUnsupported beyond kMaxTopics.
   [[nodiscard]] Expected<std::size_t> find_or_add(BagTopic topic, const std::string& where);
+
+  /// For a chunk behind the budget of which no index tells: what is read must stay a beginning without holes.
+  [[nodiscard]] static tl::unexpected<Error> refuse_to_pass_over(std::string where);
 
   std::vector<BagTopic> topics_;
   std::vector<std::string> notes_;

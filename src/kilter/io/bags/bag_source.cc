@@ -80,8 +80,11 @@ Expected<std::vector<fs::path>> files_of(const fs::path& path, std::string_view 
   return files;
 }
 
-Expected<RobotLog> open_bag(const SourceRequest& request, std::string_view extension, OpenReader open,
-                            std::vector<std::string>& notes) {
+// What bzip2 unpacks in half a second, or less.
+constexpr std::uint64_t kGlanceBytes = std::uint64_t{4} << 20;
+
+Expected<RobotLog> open_bag_within(UnpackingBudget budget, const SourceRequest& request, std::string_view extension,
+                                   OpenReader open, std::vector<std::string>& notes) {
   const auto paths = files_of(request.path, extension);
   if (!paths) return pass_up(paths.error());
   BagFiles files;
@@ -95,7 +98,19 @@ Expected<RobotLog> open_bag(const SourceRequest& request, std::string_view exten
     if (!file) return pass_up(file.error());
     files.push_back(*std::move(file));
   }
-  return make_bag_log(request.name, std::move(files), request.topics, shown(request.path), notes);
+  return make_bag_log(request.name, std::move(files), request.topics, shown(request.path), notes, budget);
+}
+
+Expected<RobotLog> open_bag(const SourceRequest& request, std::string_view extension, OpenReader open,
+                            std::vector<std::string>& notes) {
+  if (request.glance) {
+    const std::size_t notes_before = notes.size();
+    auto log = open_bag_within(UnpackingBudget(kGlanceBytes), request, extension, open, notes);
+    if (log) return log;
+    // What the beginning lacks may follow.
+    notes.resize(notes_before);
+  }
+  return open_bag_within({}, request, extension, open, notes);
 }
 
 }  // namespace

@@ -28,11 +28,14 @@ std::optional<Packing> packing_of(std::string_view name) {
   return std::nullopt;
 }
 
+// Chunks of nothing that kilter reads are passed over, and where unpacking takes too long, any.
+enum class WhatToCount { kOthersOnly, kAll };
+
 class Mcap final : public BagReader {
  public:
   explicit Mcap(RandomAccessFile file) : store_(std::move(file)), file_(store_.file(), 0, store_.file().size()) {}
 
-  Expected<void> walk(const MessageVisitor& visit) override;
+  Expected<void> walk(const MessageVisitor& visit, UnpackingBudget& budget) override;
   Expected<MessageBytes> read(const MessagePlace& place) const override { return store_.read(place); }
   std::string where(const MessagePlace& place) const override { return store_.where(place); }
 
@@ -43,10 +46,10 @@ class Mcap final : public BagReader {
   Expected<void> add_channel(ByteWindow& window, const McapRecord& record);
   Expected<void> pass_message(ByteWindow& window, const McapRecord& record, std::uint32_t chunk,
                               const MessageVisitor& visit);
-  Expected<void> walk_chunk(const McapRecord& record, const MessageVisitor& visit);
+  Expected<void> walk_chunk(const McapRecord& record, const MessageVisitor& visit, UnpackingBudget& budget);
   Expected<void> walk_inside(ByteWindow& window, std::uint32_t chunk, const MessageVisitor& visit);
   Expected<void> walk_cut_record(std::uint64_t position, const MessageVisitor& visit);
-  bool count_by_index(std::uint64_t chunk_end);
+  bool count_by_index(std::uint64_t chunk_end, WhatToCount what);
   bool is_closed();
 
   ChunkStore store_;
@@ -132,9 +135,9 @@ Expected<void> Mcap::walk_inside(ByteWindow& window, std::uint32_t chunk, const 
   return {};
 }
 
-// Whether the records behind a chunk say that it holds nothing that kilter reads; its messages are counted then. They
-// are believed only if another record follows, so that none of them was cut off.
-bool Mcap::count_by_index(std::uint64_t chunk_end) {
+// Whether the records behind a chunk say what it holds, and that this may be passed over; its messages are counted
+// then. They are believed only if another record follows, so that none of them was cut off.
+bool Mcap::count_by_index(std::uint64_t chunk_end, WhatToCount what) {
   constexpr std::uint64_t kEntry = 16;
   std::vector<std::pair<std::size_t, std::uint64_t>> counts;
   auto record = read_mcap_record(file_, chunk_end);
@@ -142,7 +145,8 @@ bool Mcap::count_by_index(std::uint64_t chunk_end) {
     const auto head = record->size < 6 ? Expected<std::string_view>("") : file_.look(record->begin, 6);
     if (!head || head->empty()) return false;
     const auto found = topic_of_.find(load<std::uint16_t>(head->data(), std::endian::little));
-    if (found == topic_of_.end() || topics_[found->second].ros_type != RosType::kOther) return false;
+    if (found == topic_of_.end()) return false;
+    if (what == WhatToCount::kOthersOnly && topics_[found->second].ros_type != RosType::kOther) return false;
     counts.emplace_back(found->second, load<std::uint32_t>(head->data() + 2, std::endian::little) / kEntry);
   }
   if (!record || counts.empty()) return false;
@@ -150,7 +154,7 @@ bool Mcap::count_by_index(std::uint64_t chunk_end) {
   return true;
 }
 
-Expected<void> Mcap::walk_chunk(const McapRecord& record, const MessageVisitor& visit) {
+Expected<void> Mcap::walk_chunk(const McapRecord& record, const MessageVisitor& visit, UnpackingBudget& budget) {
   const auto chunk = read_mcap_chunk(file_, record.begin, record.size);
   if (!chunk) return pass_up(chunk.error());
   const auto packing = packing_of(chunk->compression);
@@ -160,10 +164,14 @@ Expected<void> Mcap::walk_chunk(const McapRecord& record, const MessageVisitor& 
                             printable(chunk->compression, 40)),
                 file_.where(record.begin), "`mcap compress --compression zstd` writes it anew");
   }
-  if (count_by_index(record.end())) return {};
+  if (count_by_index(record.end(), WhatToCount::kOthersOnly)) return {};
   if (*packing == Packing::kNone) {
     ByteWindow window(store_.file(), chunk->begin, chunk->begin + chunk->size);
     return walk_inside(window, MessagePlace::kNoChunk, visit);
+  }
+  if (!budget.take(*packing, chunk->unpacked_bytes)) {
+    if (count_by_index(record.end(), WhatToCount::kAll)) return {};
+    return refuse_to_pass_over(file_.where(record.begin));
   }
   const std::uint32_t number = store_.add({*packing, chunk->begin, chunk->size, chunk->unpacked_bytes, chunk->crc32});
   const auto bytes = store_.chunk(number);
@@ -192,7 +200,7 @@ bool Mcap::is_closed() {
   return file_.end() > 2 * kMcapMagic.size() && end && *end == kMcapMagic;
 }
 
-Expected<void> Mcap::walk(const MessageVisitor& visit) {
+Expected<void> Mcap::walk(const MessageVisitor& visit, UnpackingBudget& budget) {
   read_summary();
   std::uint64_t position = kMcapMagic.size();
   const std::uint64_t end = is_closed() ? file_.end() - kMcapMagic.size() : file_.end();
@@ -204,7 +212,7 @@ Expected<void> Mcap::walk(const MessageVisitor& visit) {
       break;
     }
     if (record->is(McapOp::kDataEnd) || record->is(McapOp::kFooter)) return {};
-    auto done = record->is(McapOp::kChunk) ? walk_chunk(*record, visit)
+    auto done = record->is(McapOp::kChunk) ? walk_chunk(*record, visit, budget)
                                            : walk_record(file_, *record, MessagePlace::kNoChunk, visit);
     if (!done) return done;
     position = record->end();

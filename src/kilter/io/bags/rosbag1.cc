@@ -16,11 +16,14 @@ namespace {
 
 constexpr std::string_view kMagic = "#ROSBAG V2.0\n";
 
+// Chunks of nothing that kilter reads are passed over, and where unpacking takes too long, any.
+enum class WhatToCount { kOthersOnly, kAll };
+
 class Rosbag1 final : public BagReader {
  public:
   explicit Rosbag1(RandomAccessFile file) : store_(std::move(file)), file_(store_.file(), 0, store_.file().size()) {}
 
-  Expected<void> walk(const MessageVisitor& visit) override;
+  Expected<void> walk(const MessageVisitor& visit, UnpackingBudget& budget) override;
   Expected<MessageBytes> read(const MessagePlace& place) const override { return store_.read(place); }
   std::string where(const MessagePlace& place) const override { return store_.where(place); }
 
@@ -28,11 +31,11 @@ class Rosbag1 final : public BagReader {
   Expected<void> read_bag_header();
   void read_connections(std::uint64_t position, std::uint32_t count);
   Expected<void> add_connection(ByteWindow& window, const Rosbag1Record& record);
-  Expected<std::uint64_t> walk_chunk(const Rosbag1Record& record, const MessageVisitor& visit);
+  Expected<std::uint64_t> walk_chunk(const Rosbag1Record& record, const MessageVisitor& visit, UnpackingBudget& budget);
   Expected<std::uint64_t> walk_records(ByteWindow& window, std::uint32_t chunk, const MessageVisitor& visit);
   Expected<void> pass_message(ByteWindow& window, const Rosbag1Record& record, std::uint32_t chunk,
                               const MessageVisitor& visit);
-  bool count_by_index(std::uint64_t chunk_end);
+  bool count_by_index(std::uint64_t chunk_end, WhatToCount what);
   Expected<void> end_early(std::uint64_t position);
 
   ChunkStore store_;
@@ -125,16 +128,15 @@ Expected<std::uint64_t> Rosbag1::walk_records(ByteWindow& window, std::uint32_t 
   return position;
 }
 
-// Whether the records behind a chunk say that it holds nothing that kilter reads; its messages are counted then. They
-// are believed only if another record follows, so that none of them was cut off.
-bool Rosbag1::count_by_index(std::uint64_t chunk_end) {
+// Whether the records behind a chunk say what it holds, and that this may be passed over; its messages are counted
+// then. They are believed only if another record follows, so that none of them was cut off.
+bool Rosbag1::count_by_index(std::uint64_t chunk_end, WhatToCount what) {
   std::vector<std::pair<std::size_t, std::uint32_t>> counts;
   auto record = read_rosbag1_record(file_, chunk_end);
   for (; record && record->is(Rosbag1Op::kIndex); record = read_rosbag1_record(file_, record->end())) {
     const auto found = topic_of_.find(record->fields.connection.value_or(UINT32_MAX));
-    if (found == topic_of_.end() || !record->fields.count || topics_[found->second].ros_type != RosType::kOther) {
-      return false;
-    }
+    if (found == topic_of_.end() || !record->fields.count) return false;
+    if (what == WhatToCount::kOthersOnly && topics_[found->second].ros_type != RosType::kOther) return false;
     counts.emplace_back(found->second, *record->fields.count);
   }
   if (!record || counts.empty()) return false;
@@ -150,7 +152,8 @@ std::optional<Packing> packing_of(std::string_view name) {
 }
 
 // \return where the next record begins, or the chunk's own begin where it is not whole.
-Expected<std::uint64_t> Rosbag1::walk_chunk(const Rosbag1Record& record, const MessageVisitor& visit) {
+Expected<std::uint64_t> Rosbag1::walk_chunk(const Rosbag1Record& record, const MessageVisitor& visit,
+                                            UnpackingBudget& budget) {
   const auto packing = packing_of(record.fields.compression.value_or(""));
   if (!packing || !record.fields.size) {
     return fail(ErrorCode::kUnsupported,
@@ -159,7 +162,7 @@ Expected<std::uint64_t> Rosbag1::walk_chunk(const Rosbag1Record& record, const M
                 file_.where(record.data_begin));
   }
   const bool is_whole = file_.holds(record.data_begin, record.data_size);
-  if (is_whole && count_by_index(record.end())) return record.end();
+  if (is_whole && count_by_index(record.end(), WhatToCount::kOthersOnly)) return record.end();
   if (*packing == Packing::kNone) {
     ByteWindow window(store_.file(), record.data_begin, std::min(record.end(), file_.end()));
     auto end = walk_records(window, MessagePlace::kNoChunk, visit);
@@ -167,6 +170,10 @@ Expected<std::uint64_t> Rosbag1::walk_chunk(const Rosbag1Record& record, const M
     return fail(ErrorCode::kParse, "a record is longer than the chunk that holds it", file_.where(*end));
   }
   if (!is_whole) return record.data_begin;
+  if (!budget.take(*packing, *record.fields.size)) {
+    if (count_by_index(record.end(), WhatToCount::kAll)) return record.end();
+    return refuse_to_pass_over(file_.where(record.data_begin));
+  }
   const std::uint32_t number = store_.add({*packing, record.data_begin, record.data_size, *record.fields.size, 0});
   const auto bytes = store_.chunk(number);
   if (!bytes) return pass_up(bytes.error());
@@ -192,7 +199,7 @@ Expected<void> Rosbag1::end_early(std::uint64_t position) {
   return {};
 }
 
-Expected<void> Rosbag1::walk(const MessageVisitor& visit) {
+Expected<void> Rosbag1::walk(const MessageVisitor& visit, UnpackingBudget& budget) {
   if (auto ok = read_bag_header(); !ok) return ok;
   std::uint64_t position = first_record_;
   while (position < file_.end()) {
@@ -201,7 +208,7 @@ Expected<void> Rosbag1::walk(const MessageVisitor& visit) {
     if (!record) return end_early(position);
     std::uint64_t next = record->end();
     if (record->is(Rosbag1Op::kChunk)) {
-      const auto end = walk_chunk(*record, visit);
+      const auto end = walk_chunk(*record, visit, budget);
       if (!end) return pass_up(end.error());
       next = *end;
     } else if (record->is(Rosbag1Op::kConnection) && file_.holds(record->data_begin, record->data_size)) {

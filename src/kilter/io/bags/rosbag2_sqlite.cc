@@ -69,7 +69,7 @@ class Rosbag2Sqlite final : public BagReader {
     sqlite3_progress_handler(database_.get(), kStepsAtOnce, &Rosbag2Sqlite::count_steps, &steps_left_);
   }
 
-  Expected<void> walk(const MessageVisitor& visit) override;
+  Expected<void> walk(const MessageVisitor& visit, UnpackingBudget& budget) override;
   Expected<MessageBytes> read(const MessagePlace& place) const override;
   std::string where(const MessagePlace& place) const override {
     return fmt::format("{}: message {}", where_, place.offset);
@@ -179,7 +179,7 @@ Expected<void> Rosbag2Sqlite::pass_row(sqlite3_stmt* row, const MessageVisitor& 
   return {};
 }
 
-Expected<void> Rosbag2Sqlite::walk(const MessageVisitor& visit) {
+Expected<void> Rosbag2Sqlite::walk(const MessageVisitor& visit, UnpackingBudget& /*budget*/) {
   for (const char* table : {"topics", "messages"}) {
     if (auto ok = demand_table(table); !ok) return ok;
   }

@@ -20,6 +20,7 @@ struct SourceRequest {
   std::string name;                                   ///< what the robot is called
   std::optional<std::filesystem::path> poses_folder;  ///< holds poses.* that take the place of the source's own
   std::vector<std::string> topics;                    ///< of a bag, where a person named some: PATH#/points#/odom
+  bool glance = false;                                ///< the beginning is enough where reading all takes long
 };
 
 /// A way in which one robot's (or one session's) clouds and poses lie on disk.
