@@ -126,8 +126,8 @@ PartMotion motion_of(std::span<const PlaneResidual> part, double resolution_m, d
   const bool counts = makes_vanish(before, after, kSupportVoxels * resolution_m);
   const Residuals& settled = counts ? after : before;
   const NormalEquations equations = build_normal_equations(settled);
-  const Matrix6 covariance = patch_covariance(settled, equations, split_observable(equations, settled), kPatch_m,
-                                              kPatchVoxels * resolution_m);
+  const Matrix6 covariance =
+      patch_covariance(settled, equations, split_observable(equations, settled), kPatch_m, kPatchVoxels * resolution_m);
   const Eigen::Matrix3d scatter_m2 = scatter_about(part, centre_m);
   Matrix6 M = Matrix6::Identity();
   M.bottomRightCorner<3, 3>() = scatter_m2.trace() * Eigen::Matrix3d::Identity() - scatter_m2;
