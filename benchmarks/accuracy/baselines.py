@@ -12,7 +12,6 @@ other's box. Radii are tried over a range and the tables show each method's best
   entropies are kept too, for the logistic fit.
 """
 import numpy as np
-from scipy.spatial import cKDTree
 
 RADII_M = (0.3, 0.5, 1.0)
 NEIGHBOURS = 64  # of a neighbourhood, at most
@@ -68,6 +67,11 @@ def in_box_of(points, other, reach_m=1.0):
     return points[((points >= other.min(axis=0) - reach_m) & (points <= other.max(axis=0) + reach_m)).all(axis=1)]
 
 
+def tree_of(points):
+    from scipy.spatial import cKDTree  # here, so that all else runs without scipy
+    return cKDTree(points)
+
+
 def scores_of(a_m, b_m, tree_a, tree_b):
     """All baselines of one pair, as a dict."""
     a_at, b_at = thinned(in_box_of(a_m, b_m)), thinned(in_box_of(b_m, a_m))
@@ -75,7 +79,7 @@ def scores_of(a_m, b_m, tree_a, tree_b):
         return {}
     gaps = np.concatenate([tree_b.query(a_at)[0], tree_a.query(b_at)[0]])
     union = np.concatenate([a_m, b_m])
-    tree = cKDTree(union)
+    tree = tree_of(union)
     scores = {}
     for d in RADII_M:
         near = gaps <= d
@@ -99,7 +103,7 @@ def scores_of(a_m, b_m, tree_a, tree_b):
 def add(rows, truth):
     """Adds `baselines` to every row."""
     number = {submap["id"]: i for i, submap in enumerate(truth.submaps)}
-    trees = [cKDTree(places.voxels_m) for places in truth.places]
+    trees = [tree_of(places.voxels_m) for places in truth.places]
     for row in rows:
         a, b = number[row["target"]], number[row["source"]]
         row["baselines"] = scores_of(truth.places[a].voxels_m, truth.places[b].voxels_m, trees[a], trees[b])
