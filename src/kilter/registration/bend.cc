@@ -7,6 +7,9 @@
 #include <cmath>
 #include <vector>
 
+#include "kilter/registration/plane_matches.h"
+#include "kilter/registration/uncertainty.h"
+
 namespace kilter {
 namespace {
 
@@ -19,8 +22,6 @@ constexpr int kLastSteps = 3;         // at the final kernel
 constexpr double kSupportVoxels = 0.25;
 constexpr double kLeastGain = 1.3;  // of the residuals that vanish, among those that a motion changes, for it to count
 constexpr std::size_t kFewestGained = 20;
-constexpr double kPatch_m = 2.0;
-constexpr double kPatchVoxels = 0.1;  // as for the pair's own covariance
 // How far the RMS over a dozen parts is from that over all places, as a share of it: one standard deviation, seen where
 // the truth is known.
 constexpr double kScatter = 0.25;
@@ -72,18 +73,13 @@ void cut_in_time(std::span<PlaneResidual> residuals, std::uint8_t PlaneResidual:
   }
 }
 
-double kernel_weight(double residual_m, double scale_m) {
-  const double ratio = scale_m * scale_m / (scale_m * scale_m + residual_m * residual_m);
-  return ratio * ratio;
-}
-
 // The residuals after the motion, to first order, weighted by a Geman-McClure kernel.
 Residuals moved(std::span<const PlaneResidual> part, const Eigen::Vector3d& centre_m, const Vector6& motion,
                 double scale_m) {
   Residuals after(part.begin(), part.end());
   for (PlaneResidual& r : after) {
     r.residual_m += r.direction.dot(motion.head<3>() + motion.tail<3>().cross(r.point_m - centre_m));
-    r.weight *= kernel_weight(r.residual_m, scale_m);
+    r.weight *= geman_mcclure(r.residual_m, scale_m);
   }
   return after;
 }
@@ -126,11 +122,9 @@ PartMotion motion_of(std::span<const PlaneResidual> part, double resolution_m, d
   const bool counts = makes_vanish(before, after, kSupportVoxels * resolution_m);
   const Residuals& settled = counts ? after : before;
   const NormalEquations equations = build_normal_equations(settled);
-  const Matrix6 covariance =
-      patch_covariance(settled, equations, split_observable(equations, settled), kPatch_m, kPatchVoxels * resolution_m);
-  const Eigen::Matrix3d scatter_m2 = scatter_about(part, centre_m);
-  Matrix6 M = Matrix6::Identity();
-  M.bottomRightCorner<3, 3>() = scatter_m2.trace() * Eigen::Matrix3d::Identity() - scatter_m2;
+  const Matrix6 covariance = patch_covariance(settled, equations, split_observable(equations, settled), kPatch_m,
+                                              kPlanePatchVoxels * resolution_m);
+  const Matrix6 M = displacement_form(scatter_about(part, centre_m));
   const Matrix6 MC = M * covariance;
   if (!counts) motion.setZero();
   return {motion.dot(M * motion) - (counts ? MC.trace() : 0.0),

@@ -12,16 +12,6 @@ namespace {
 
 constexpr double kLeastAgreement = 0.6;  // cosine between normals of matched voxels
 
-struct Kernel {
-  double scale_m;
-
-  // Geman-McClure: residuals far beyond the scale stop pulling.
-  [[nodiscard]] double weight(double residual_m) const {
-    const double ratio = scale_m * scale_m / (scale_m * scale_m + residual_m * residual_m);
-    return ratio * ratio;
-  }
-};
-
 // Normals point towards the sensor where there was one; points alone leave the sign open.
 bool normals_agree(const Eigen::Vector3d& a, const Eigen::Vector3d& b, bool oriented) {
   if (a.isZero()) return true;
@@ -96,9 +86,14 @@ std::vector<PlaneResidual> match_every(PlanePair& pair, const Pose3& T_target_so
   return match_both_ways(pair, T_target_source, search_m, {stride, stride});
 }
 
+double geman_mcclure(double residual_m, double scale_m) {
+  const double ratio = scale_m * scale_m / (scale_m * scale_m + residual_m * residual_m);
+  return ratio * ratio;
+}
+
 void apply_kernel(std::vector<PlaneResidual>& residuals, double least_m) {
-  const Kernel kernel{std::max(2.0 * 1.4826 * median_absolute_m(residuals), least_m)};
-  for (PlaneResidual& r : residuals) r.weight *= kernel.weight(r.residual_m);
+  const double scale_m = std::max(2.0 * 1.4826 * median_absolute_m(residuals), least_m);
+  for (PlaneResidual& r : residuals) r.weight *= geman_mcclure(r.residual_m, scale_m);
 }
 
 }  // namespace kilter

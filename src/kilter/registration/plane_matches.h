@@ -40,6 +40,9 @@ inline constexpr std::size_t kAllPoints = 1U << 31;
 [[nodiscard]] std::vector<PlaneResidual> match_every(PlanePair& pair, const Pose3& T_target_source, double search_m,
                                                      std::size_t stride);
 
+/// Geman-McClure weight, 0..1: residuals far beyond the scale stop pulling.
+[[nodiscard]] double geman_mcclure(double residual_m, double scale_m);
+
 /// Robust weights on top of planarity, by a Geman-McClure kernel. The scale follows the residuals' own spread but never
 /// falls below `least_m`: where floor and ceiling are most of the scene they fit whatever the walls say, and a scale
 /// taken from them alone would cut the walls off before they could pull. Precondition: there are residuals.

@@ -23,7 +23,6 @@ constexpr double kFinalKernelVoxels = 0.5;  // level, where it is at least this 
 constexpr double kSmallStep_m = 1e-3;
 constexpr double kSmallTurn_rad = 1e-4;
 constexpr double kSupportVoxels = 0.25;    // this near its plane a point supports the pose
-constexpr double kPatchVoxels = 0.1;       // centroids sit within a tenth of a voxel of the surface they stand for
 constexpr std::size_t kBendPoints = 8000;  // of each submap
 constexpr std::size_t kFewestResiduals = 40;
 constexpr int kPolishSteps = 3;
@@ -198,7 +197,7 @@ RegistrationResult finish(PlanePair& pair, const Pose3& start, Descent descent, 
   result.T_target_source = descent.T;
   result.residual_rms_m = std::sqrt(look.equations.squares_m2 / look.equations.weight);
   // A bent submap's patches lie off by what is measured as bend, and neighbours alike: hence all of it on each axis.
-  const double patch_sigma_m = std::hypot(kPatchVoxels * resolution_m, result.bend.rms_m);
+  const double patch_sigma_m = std::hypot(kPlanePatchVoxels * resolution_m, result.bend.rms_m);
   describe_uncertainty(look.residuals, look.equations, look.split, patch_sigma_m, prior, result);
   return result;
 }

@@ -114,12 +114,16 @@ TEST(AlignSubmaps, OicpKeepsItsSearchWideWhileItMoves) {
   }
 }
 
-TEST(AlignSubmaps, CorridorAxisIsReportedAndHeldAtTheStart) {
+// Five metres apart in a corridor without ends.
+SubmapPair corridor_pair() {
   const auto scene = testing::bare_corridor();
   const std::vector<Pose3> first = {pose_at(0.03, 0.02, 1.04, 0.0), pose_at(2.03, 0.12, 1.04, 0.0)};
   const std::vector<Pose3> second = {pose_at(5.03, -0.22, 1.04, 0.0), pose_at(7.03, 0.12, 1.04, 0.0)};
-  const SubmapPair pair{submap_of(scene, first, first[0], 1), submap_of(scene, second, second[0], 2),
-                        first[0].inverse() * second[0]};
+  return {submap_of(scene, first, first[0], 1), submap_of(scene, second, second[0], 2), first[0].inverse() * second[0]};
+}
+
+TEST(AlignSubmaps, CorridorAxisIsReportedAndHeldAtTheStart) {
+  const SubmapPair pair = corridor_pair();
   const Pose3 start = pose_at(0.25, 0.15, 0.0, 0.01) * pair.T_target_source;
   const RegistrationResult result = run(pair, start, RegistrationMethod::kPointToPlane);
   ASSERT_TRUE(result.converged()) << to_string(result.stop);
@@ -131,11 +135,7 @@ TEST(AlignSubmaps, CorridorAxisIsReportedAndHeldAtTheStart) {
 
 // Along a corridor every pose fits; the wide search would take the one that overlaps most.
 TEST(AlignWidely, DoesNotClaimAMoveAlongACorridor) {
-  const auto scene = testing::bare_corridor();
-  const std::vector<Pose3> first = {pose_at(0.03, 0.02, 1.04, 0.0), pose_at(2.03, 0.12, 1.04, 0.0)};
-  const std::vector<Pose3> second = {pose_at(5.03, -0.22, 1.04, 0.0), pose_at(7.03, 0.12, 1.04, 0.0)};
-  const SubmapPair pair{submap_of(scene, first, first[0], 1), submap_of(scene, second, second[0], 2),
-                        first[0].inverse() * second[0]};
+  const SubmapPair pair = corridor_pair();
   for (const double along_m : {0.0, 2.0}) {
     const Pose3 start = pose_at(along_m, 0.5, 0.0, 0.05) * pair.T_target_source;
     const RegistrationResult result = run_widely(pair, start);

@@ -3,12 +3,12 @@
 #include "kilter/registration/uncertainty.h"
 
 namespace kilter {
-namespace {
 
-// Residuals of one facing this near each other share surface, lattice and view: they count as one observation.
-constexpr double kPatch_m = 2.0;
-
-}  // namespace
+Matrix6 displacement_form(const Eigen::Matrix3d& scatter_m2) {
+  Matrix6 M = Matrix6::Identity();
+  M.bottomRightCorner<3, 3>() = scatter_m2.trace() * Eigen::Matrix3d::Identity() - scatter_m2;
+  return M;
+}
 
 void describe_uncertainty(std::span<const PlaneResidual> residuals, const NormalEquations& equations,
                           const ObservableSplit& split, double patch_sigma_m, const RegistrationPrior& prior,

@@ -8,18 +8,13 @@
 
 #include "kilter/base/contract.h"
 #include "kilter/numerics/special.h"
+#include "kilter/registration/uncertainty.h"
 
 namespace kilter {
 namespace {
 
 // Two one-sided 5 % points of the normal law: told from zero at 5 %, found with 95 %.
 constexpr double kDetection = 1.6448536269514722 + 1.6448536269514722;
-
-Matrix6 displacement_form(const Eigen::Matrix3d& scatter_m2) {
-  Matrix6 M = Matrix6::Identity();
-  M.bottomRightCorner<3, 3>() = scatter_m2.trace() * Eigen::Matrix3d::Identity() - scatter_m2;
-  return M;
-}
 
 OffsetEstimate::SquareLaw square_law(const Vector6& x, const Matrix6& M, const Matrix6& covariance) {
   const Matrix6 MC = M * covariance;
