@@ -11,14 +11,12 @@
 namespace kilter {
 namespace {
 
-// Normals fitted to 0.1 m voxels scatter by 5-8 degrees, so a direction that no surface faces still collects
-// sin^2(8 deg) = 0.02 of the weight: three times as much is above doubt.
-constexpr double kEnoughShare = 0.06;
-// Below it, what residuals within 66 degrees of the motion add.
+// Below kEnoughShare, what residuals within 66 degrees of the motion add.
 constexpr double kFacingCosine = 0.4;
-// Clutter of all directions adds up to 0.25 %: below, registrations were seen to be 10 to 60 cm off along the
-// direction.
+// Clutter of all directions adds up to 0.25 %.
 constexpr double kLeastFacing = 0.003;
+// Below this share of the weight a direction is not fixed by anything.
+constexpr double kNothing = 1e-9;
 
 // d residual / d (v, w) about the centre, target axes.
 Vector6 plain_jacobian(const PlaneResidual& r, const Eigen::Vector3d& centre_m) {
@@ -132,6 +130,35 @@ ObservableSplit split_observable(const NormalEquations& equations, std::span<con
   return split;
 }
 
+ObservableSplit split_beside(const NormalEquations& equations, std::span<const Vector6> held) {
+  const Matrix6 scale = equations.unscale.inverse();
+  Matrix6 others = Matrix6::Identity();
+  for (const Vector6& motion : held) {
+    Vector6 about_centre = motion;
+    about_centre.head<3>() += motion.tail<3>().cross(equations.centre_m);
+    const Vector6 direction = others * (scale * about_centre);  // what the ones before have not held already
+    if (direction.squaredNorm() > 0.0) others -= direction * direction.transpose() / direction.squaredNorm();
+  }
+  ObservableSplit split;
+  if (!(equations.weight > 0.0)) {
+    split.unobservable = 6;
+    split.directions = Matrix6::Identity();
+    return split;
+  }
+  // What is held has no information left, and comes first.
+  const Eigen::SelfAdjointEigenSolver<Matrix6> solver(others * equations.information * others / equations.weight);
+  split.shares = solver.eigenvalues();
+  split.directions = solver.eigenvectors();
+  while (split.unobservable < 6 && split.shares[split.unobservable] < kNothing) ++split.unobservable;
+  return split;
+}
+
+Vector6 motion_of_frame(const NormalEquations& equations, const Vector6& direction) {
+  Vector6 motion = equations.unscale * direction;
+  motion.head<3>() -= motion.tail<3>().cross(equations.centre_m);
+  return motion;
+}
+
 Vector6 solve_observable(const NormalEquations& equations, const ObservableSplit& split) {
   return -(equations.unscale * (observable_inverse(equations, split) * equations.gradient));
 }
@@ -159,7 +186,10 @@ Matrix6 patch_covariance(std::span<const PlaneResidual> residuals, const NormalE
   const double count = static_cast<double>(patches.size());
   if (count > 6.0) meat *= count / (count - 6.0);  // six unknowns were fitted to these patches
   const Matrix6 inverse = observable_inverse(equations, split);
-  const Matrix6 covariance = inverse * (meat + patch_sigma_m * patch_sigma_m * offsets) * inverse.transpose();
+  Matrix6 covariance = inverse * (meat + patch_sigma_m * patch_sigma_m * offsets) * inverse.transpose();
+  for (int k = split.unobservable; k < 6; ++k) {
+    covariance += split.blur_m[k] * split.blur_m[k] * split.directions.col(k) * split.directions.col(k).transpose();
+  }
   return equations.unscale * covariance * equations.unscale.transpose();
 }
 

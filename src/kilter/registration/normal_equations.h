@@ -39,10 +39,15 @@ struct NormalEquations {
 /// Eigenvectors of information / weight, those that the scene does not fix first.
 struct ObservableSplit {
   Vector6 shares = Vector6::Zero();  ///< eigenvalues; 1/3 each for translations of a cube
-  Vector6 facing = Vector6::Zero();  ///< the part of them from residuals that face the motion
+  Vector6 facing = Vector6::Zero();  ///< the part of them from residuals that face the motion, where that was asked
   Matrix6 directions = Matrix6::Zero();
-  int unobservable = 0;  ///< how many of the first columns are not fixed
+  Vector6 blur_m = Vector6::Zero();  ///< standard deviation by what fits at any shift along a direction, if known
+  int unobservable = 0;              ///< how many of the first columns are not fixed
 };
+
+/// A direction whose share is at least this is fixed. Normals fitted to 0.1 m voxels scatter by 5 to 8 degrees, so a
+/// direction that no surface faces still collects sin^2(8 deg) = 0.02 of the weight: three times as much is above doubt.
+inline constexpr double kEnoughShare = 0.06;
 
 /// A direction is fixed by surfaces that face its motion, few as they may be: the end wall of a corridor is a hundredth
 /// of what is seen there. What surfaces along the motion add to the information is noise of their normals, so only
@@ -50,6 +55,12 @@ struct ObservableSplit {
 /// deviations of a voxel's normal), and what they add has to exceed what clutter of all directions adds.
 [[nodiscard]] ObservableSplit split_observable(const NormalEquations& equations,
                                                std::span<const PlaneResidual> residuals);
+
+/// The split where it is known what is not fixed: `held` are motions v0 + w x p of the target frame.
+[[nodiscard]] ObservableSplit split_beside(const NormalEquations& equations, std::span<const Vector6> held);
+
+/// The motion v0 + w x p of the target frame that a direction of the scaled unknowns stands for.
+[[nodiscard]] Vector6 motion_of_frame(const NormalEquations& equations, const Vector6& direction);
 
 /// The step (v [m], w [rad]) that solves the equations on the observable directions, zero along the others.
 [[nodiscard]] Vector6 solve_observable(const NormalEquations& equations, const ObservableSplit& split);
@@ -59,6 +70,7 @@ struct ObservableSplit {
 ///  - a sandwich over the patches' sums, for what shows in the residuals: noise, clutter, bends within reach;
 ///  - `patch_sigma_m` for what does not: all voxels of a surface cut it at much the same height, and a patch so lies
 ///    off as a whole; residuals of a fit that follows it are small all the same.
+/// What blurs a direction is added.
 /// So a direction that few surfaces fix is known less well than one that many do.
 [[nodiscard]] Matrix6 patch_covariance(std::span<const PlaneResidual> residuals, const NormalEquations& equations,
                                        const ObservableSplit& split, double cell_m, double patch_sigma_m);

@@ -96,6 +96,48 @@ TEST(SplitObservable, AFewVoxelsOfAnEndWallFixACorridor) {
   EXPECT_LT(solve_observable(equations, fixed)[0], -0.01) << "the wall stands 0.1 m off";
 }
 
+TEST(SplitBeside, MovesNothingAlongWhatIsHeld) {
+  const auto residuals = box_residuals({}, {true, true, true}, 0.01, 5);
+  auto shifted = residuals;
+  for (PlaneResidual& r : shifted) r.residual_m += r.direction.dot(Eigen::Vector3d(0.1, 0.05, 0.0));
+  const NormalEquations equations = build_normal_equations(shifted);
+  EXPECT_EQ(split_beside(equations, {}).unobservable, 0);
+  Vector6 along_x = Vector6::Zero();
+  along_x[0] = 1.0;
+  Vector6 along_x_and_z = along_x;
+  along_x_and_z[2] = 1.0;
+  const std::vector<Vector6> held = {along_x, along_x_and_z};
+  const ObservableSplit split = split_beside(equations, held);
+  ASSERT_EQ(split.unobservable, 2);
+  const Vector6 step = solve_observable(equations, split);
+  EXPECT_NEAR(step[0], 0.0, 1e-9);
+  EXPECT_NEAR(step[1], -0.05, 0.005);
+  EXPECT_NEAR(step[2], 0.0, 1e-9);
+}
+
+// A turn about a far point is held as such, wherever the centre of what is matched lies.
+TEST(SplitBeside, HoldsMotionsOfTheFrame) {
+  const auto residuals = box_residuals({}, {true, true, true}, 0.01, 5);
+  const NormalEquations equations = build_normal_equations(residuals);
+  const ObservableSplit all = split_beside(equations, {});
+  const std::vector<Vector6> held = {motion_of_frame(equations, all.directions.col(3))};
+  const ObservableSplit split = split_beside(equations, held);
+  ASSERT_EQ(split.unobservable, 1);
+  EXPECT_NEAR(std::abs(split.directions.col(0).dot(all.directions.col(3))), 1.0, 1e-9);
+}
+
+TEST(PatchCovariance, AddsWhatBlursADirection) {
+  const auto residuals = box_residuals({}, {true, true, true}, 0.01, 5);
+  const NormalEquations equations = build_normal_equations(residuals);
+  ObservableSplit split = split_beside(equations, {});
+  const Matrix6 sharp = patch_covariance(residuals, equations, split, 2.0, 0.0);
+  split.blur_m[2] = 0.03;
+  const Matrix6 scale = equations.unscale.inverse();
+  const Matrix6 added = scale * (patch_covariance(residuals, equations, split, 2.0, 0.0) - sharp) * scale.transpose();
+  EXPECT_NEAR(std::sqrt(added.trace()), 0.03, 1e-9);
+  EXPECT_NEAR(split.directions.col(2).dot(added * split.directions.col(2)), 0.03 * 0.03, 1e-9);
+}
+
 // Each wall of a box, cut by its lattice, lies off as a whole; no residual shows it.
 TEST(PatchCovariance, KnowsOffsetsThatAPatchHasAsAWhole) {
   constexpr double kOffset_m = 0.01;

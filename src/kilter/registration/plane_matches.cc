@@ -12,13 +12,6 @@ namespace {
 
 constexpr double kLeastAgreement = 0.6;  // cosine between normals of matched voxels
 
-// Normals point towards the sensor where there was one; points alone leave the sign open.
-bool normals_agree(const Eigen::Vector3d& a, const Eigen::Vector3d& b, bool oriented) {
-  if (a.isZero()) return true;
-  const double cosine = a.dot(b);
-  return (oriented ? cosine : std::abs(cosine)) >= kLeastAgreement;
-}
-
 // Points of `from` against the planes of `onto`, in the frame of `onto`.
 void match_one_way(const VoxelMap& from, const VoxelMap& onto, NearestVoxelCursor& in_onto, const Pose3& T_onto_from,
                    double search_m, std::size_t stride, LastNearest& last, std::vector<PlaneResidual>& residuals) {
@@ -74,6 +67,12 @@ double median_absolute_m(const std::vector<PlaneResidual>& residuals) {
 }
 
 }  // namespace
+
+bool normals_agree(const Eigen::Vector3d& a, const Eigen::Vector3d& b, bool oriented) {
+  if (a.isZero() || b.isZero()) return true;
+  const double cosine = a.dot(b);
+  return (oriented ? cosine : std::abs(cosine)) >= kLeastAgreement;
+}
 
 std::vector<PlaneResidual> match_planes(PlanePair& pair, const Pose3& T_target_source, double search_m,
                                         std::size_t max_points) {

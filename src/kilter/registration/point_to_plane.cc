@@ -9,6 +9,7 @@
 #include "kilter/registration/coarse_search.h"
 #include "kilter/registration/normal_equations.h"
 #include "kilter/registration/plane_matches.h"
+#include "kilter/registration/slide_contrast.h"
 #include "kilter/registration/uncertainty.h"
 
 namespace kilter {
@@ -28,7 +29,6 @@ constexpr std::size_t kFewestResiduals = 40;
 constexpr int kPolishSteps = 3;
 constexpr double kPolished_m = 1e-4;
 constexpr double kPolished_rad = 1e-5;
-constexpr int kHoldRounds = 3;
 constexpr double kSlidVoxels = 0.25;  // a motion this small along a free direction is not worth another descent
 // The wide search.
 constexpr int kWideStarts = 6;
@@ -56,14 +56,20 @@ struct Descent {
   StopReason stop = StopReason::kTooFewMatches;
   Pose3 T;
   int iterations = 0;
+
+  [[nodiscard]] bool ended() const { return stop == StopReason::kConverged || stop == StopReason::kMaxIterations; }
 };
 
 double final_search_m(const VoxelMap& target, const RegistrationOptions& options) {
   return std::min(kFinalSearchVoxels * target.resolution_m(), options.search_distance_m);
 }
 
+// Motions v0 + w x p of the target frame along which a search does not move.
+using HeldMotions = std::vector<Vector6>;
+
 // From the start into the nearest optimum, at most range_m away.
-Descent descend(PlanePair& pair, const Pose3& start, const RegistrationOptions& options, double range_m) {
+Descent descend(PlanePair& pair, const Pose3& start, const RegistrationOptions& options, double range_m,
+                const HeldMotions& held = {}) {
   const auto max_points = static_cast<std::size_t>(options.max_points);
   // How many voxels one residual stands for: the gate counts voxels, of either submap.
   const double per_residual =
@@ -86,7 +92,8 @@ Descent descend(PlanePair& pair, const Pose3& start, const RegistrationOptions& 
     if (!enough(residuals.size())) return descent;
     apply_kernel(residuals, last_level ? final_kernel_m : kKernelOfSearch * search_m);
     const NormalEquations equations = build_normal_equations(residuals);
-    const ObservableSplit split = split_observable(equations, residuals);
+    const ObservableSplit split =
+        held.empty() ? split_observable(equations, residuals) : split_beside(equations, held);
     if (split.unobservable == 6) {
       descent.stop = StopReason::kDegenerate;
       return descent;
@@ -115,7 +122,8 @@ struct Look {
   std::size_t supporting = 0;  // residuals below kSupportVoxels
 };
 
-Look look_at(PlanePair& pair, const Pose3& T_target_source, const RegistrationOptions& options) {
+Look look_at(PlanePair& pair, const Pose3& T_target_source, const RegistrationOptions& options,
+             const HeldMotions& held) {
   const double resolution_m = pair.target_map().resolution_m();
   Look look;
   look.residuals = match_planes(pair, T_target_source, final_search_m(pair.target_map(), options), kAllPoints);
@@ -123,7 +131,7 @@ Look look_at(PlanePair& pair, const Pose3& T_target_source, const RegistrationOp
   if (look.residuals.empty()) return look;
   apply_kernel(look.residuals, kFinalKernelVoxels * resolution_m);
   look.equations = build_normal_equations(look.residuals);
-  look.split = split_observable(look.equations, look.residuals);
+  look.split = split_beside(look.equations, held);
   return look;
 }
 
@@ -138,35 +146,54 @@ Vector6 free_motion(const Pose3& start, const Pose3& T, const Look& look) {
   return look.equations.unscale * (free * (free.transpose() * look.equations.unscale.inverse() * motion));
 }
 
-// A pose found along a direction that nothing fixes is where the search happened to stop: coarse levels and the wide
-// search slide along corridors to wherever most overlaps. Such a direction is taken back to the start, and the others
-// settle again there, until nothing of the motion is left along what is free.
-Look hold_free_directions(PlanePair& pair, const Pose3& start, const RegistrationOptions& options, Descent& descent) {
-  const double resolution_m = pair.target_map().resolution_m();
-  RegistrationOptions close = options;
-  close.search_distance_m = std::min(options.search_distance_m, kCloseSearchVoxels * resolution_m);
-  Look look = look_at(pair, descent.T, options);
-  for (int round = 0; round < kHoldRounds && look.split.unobservable > 0; ++round) {
-    const Vector6 slid = free_motion(start, descent.T, look);
-    if ((look.equations.unscale.inverse() * slid).norm() < kSlidVoxels * resolution_m) break;
-    const int before = descent.iterations;
-    descent = descend(pair, motion_about(look.equations.centre_m, -slid) * descent.T, close, kWideRefinement_m);
-    descent.iterations += before;
-    if (descent.stop != StopReason::kConverged && descent.stop != StopReason::kMaxIterations) break;
-    look = look_at(pair, descent.T, options);
+// The descent looks at a part of the voxels; all of them tell better. \return the look at the pose that they end at.
+Look polish(PlanePair& pair, const RegistrationOptions& options, const HeldMotions& held, Pose3& T_target_source) {
+  Look look = look_at(pair, T_target_source, options, held);
+  for (int k = 0; k < kPolishSteps && look.split.unobservable < 6; ++k) {
+    const Vector6 step = solve_observable(look.equations, look.split);
+    T_target_source = motion_about(look.equations.centre_m, step) * T_target_source;
+    look = look_at(pair, T_target_source, options, held);
+    if (step.head<3>().norm() < kPolished_m && step.tail<3>().norm() < kPolished_rad) break;
   }
   return look;
 }
 
-// The descent looks at a part of the voxels; all of them tell better. \return the look at the pose that they end at.
-Look polish(PlanePair& pair, const RegistrationOptions& options, Look look, Pose3& T_target_source) {
-  for (int k = 0; k < kPolishSteps && look.split.unobservable < 6; ++k) {
-    const Vector6 step = solve_observable(look.equations, look.split);
-    T_target_source = motion_about(look.equations.centre_m, step) * T_target_source;
-    look = look_at(pair, T_target_source, options);
-    if (step.head<3>().norm() < kPolished_m && step.tail<3>().norm() < kPolished_rad) break;
+// Slides along what seems hardly fixed. Directions that turn out not to be are added to `held`; for the others, it says
+// how far clutter blurs them. \return how many were added.
+std::size_t doubt_weak_directions(PlanePair& pair, const Pose3& T_target_source, Look& look, HeldMotions& held) {
+  const std::size_t before = held.size();
+  for (int k = look.split.unobservable; k < 6 && look.split.shares[k] < kEnoughShare; ++k) {
+    const Vector6 motion = motion_of_frame(look.equations, look.split.directions.col(k));
+    const double contrast = slide_contrast(pair, T_target_source, motion);
+    if (contrast < kLeastContrast) {
+      held.push_back(motion);
+    } else {
+      look.split.blur_m[k] = blur_voxels(contrast) * pair.target_map().resolution_m();
+    }
   }
-  return look;
+  return held.size() - before;
+}
+
+// The pose where a descent ended, settled on all voxels, with what is not fixed there held at the start. A pose found
+// along a direction that nothing fixes is where the search happened to stop: coarse levels and the wide search slide
+// along corridors to wherever most overlaps. Such a direction is taken back to the start, and the others settle again.
+Look settle(PlanePair& pair, const Pose3& start, const RegistrationOptions& options, Descent& descent) {
+  const double resolution_m = pair.target_map().resolution_m();
+  RegistrationOptions close = options;
+  close.search_distance_m = std::min(options.search_distance_m, kCloseSearchVoxels * resolution_m);
+  HeldMotions held;
+  while (true) {
+    Look look = polish(pair, options, held, descent.T);
+    if (look.residuals.empty() || doubt_weak_directions(pair, descent.T, look, held) == 0) return look;
+    look.split = split_beside(look.equations, held);
+    const Vector6 slid = free_motion(start, descent.T, look);
+    descent.T = motion_about(look.equations.centre_m, -slid) * descent.T;
+    if ((look.equations.unscale.inverse() * slid).norm() < kSlidVoxels * resolution_m) continue;
+    const int before = descent.iterations;
+    descent = descend(pair, descent.T, close, kWideRefinement_m, held);
+    descent.iterations += before;
+    if (!descent.ended()) return look;
+  }
 }
 
 // Judges where a descent ended on all voxels.
@@ -174,15 +201,11 @@ RegistrationResult finish(PlanePair& pair, const Pose3& start, Descent descent, 
                           const RegistrationPrior& prior) {
   RegistrationResult result;
   result.T_target_source = start;
-  const auto ended = [](const Descent& some) {
-    return some.stop == StopReason::kConverged || some.stop == StopReason::kMaxIterations;
-  };
   Look look;
-  if (ended(descent)) look = hold_free_directions(pair, start, options, descent);
-  if (ended(descent) && !look.residuals.empty()) look = polish(pair, options, std::move(look), descent.T);
+  if (descent.ended()) look = settle(pair, start, options, descent);
   result.iterations = descent.iterations;
   result.stop = descent.stop;
-  if (!ended(descent)) return result;
+  if (!descent.ended()) return result;
   const double resolution_m = pair.target_map().resolution_m();
   result.matches = look.residuals.size() / 2;
   result.support_end = look.supporting;
@@ -267,7 +290,7 @@ RegistrationResult align_widely(const NearestVoxelSearch& source, const NearestV
     // A coarse pose is a cell or two off; from the map's own pose the whole way is open.
     const double range_m = from.translation_m() == start.translation_m() ? reach_m : kWideRefinement_m;
     const Descent descent = descend(pair, from, quick, range_m + options.search_distance_m);
-    if (descent.stop != StopReason::kConverged && descent.stop != StopReason::kMaxIterations) continue;
+    if (!descent.ended()) continue;
     optima.push_back(judged(pair, descent, options));
     if (&from == &starts.front() && optima.back().worth > 0.0) optima.back().worth *= kHomeBonus;
   }
