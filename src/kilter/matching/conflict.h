@@ -9,6 +9,9 @@
 
 namespace kilter {
 
+/// Surfaces within this many voxels of each other are the same surface to the free-space test.
+inline constexpr double kConflictMarginVoxels = 2.0;
+
 /// One direction of free-space conflict: surfaces of one submap that stand where the other saw through.
 struct ConflictCount {
   std::size_t known = 0;        ///< surface voxels in space the other knows (free with margin, or next to a surface)

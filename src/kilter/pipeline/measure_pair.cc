@@ -12,8 +12,6 @@
 namespace kilter {
 namespace {
 
-// Surfaces within this many voxels of each other are the same surface to the free-space test.
-constexpr double kConflictMarginVoxels = 2.0;
 // The prior on rotation where the scene leaves one open: what a front end may have turned by over a submap.
 constexpr double kPriorRotation_rad = 0.03;
 // A prior on translation never below this, however short the path between two submaps was. [m]

@@ -46,7 +46,8 @@ struct ObservableSplit {
 };
 
 /// A direction whose share is at least this is fixed. Normals fitted to 0.1 m voxels scatter by 5 to 8 degrees, so a
-/// direction that no surface faces still collects sin^2(8 deg) = 0.02 of the weight: three times as much is above doubt.
+/// direction that no surface faces still collects sin^2(8 deg) = 0.02 of the weight: three times as much is above
+/// doubt.
 inline constexpr double kEnoughShare = 0.06;
 
 /// A direction is fixed by surfaces that face its motion, few as they may be: the end wall of a corridor is a hundredth

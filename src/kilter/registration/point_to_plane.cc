@@ -35,9 +35,8 @@ constexpr int kWideStarts = 6;
 constexpr int kWidePoints = 600;             // while descending from each of them
 constexpr std::size_t kJudgedVoxels = 6000;  // of the larger submap, to tell the best
 constexpr int kWideIterations = 18;
-constexpr double kLeastCoarseShare = 0.6;  // of the best coarse score, to be descended from
-constexpr double kConflictCost = 3.0;      // voxels of support that one conflicting voxel outweighs
-constexpr double kConflictMarginVoxels = 2.0;
+constexpr double kLeastCoarseShare = 0.6;   // of the best coarse score, to be descended from
+constexpr double kConflictCost = 3.0;       // voxels of support that one conflicting voxel outweighs
 constexpr double kHomeBonus = 1.2;          // the map's own basin is left for something clearly better only
 constexpr double kWideRefinement_m = 1.0;   // a coarse pose is good to a cell or two
 constexpr double kMostRise_m = 1.0;         // vertically; lidar poses drift less in height
@@ -92,8 +91,7 @@ Descent descend(PlanePair& pair, const Pose3& start, const RegistrationOptions& 
     if (!enough(residuals.size())) return descent;
     apply_kernel(residuals, last_level ? final_kernel_m : kKernelOfSearch * search_m);
     const NormalEquations equations = build_normal_equations(residuals);
-    const ObservableSplit split =
-        held.empty() ? split_observable(equations, residuals) : split_beside(equations, held);
+    const ObservableSplit split = held.empty() ? split_observable(equations, residuals) : split_beside(equations, held);
     if (split.unobservable == 6) {
       descent.stop = StopReason::kDegenerate;
       return descent;
@@ -211,7 +209,7 @@ RegistrationResult finish(PlanePair& pair, const Pose3& start, Descent descent, 
   result.support_end = look.supporting;
   result.support_start = count_below(match_planes(pair, start, final_search_m(pair.target_map(), options), kAllPoints),
                                      kSupportVoxels * resolution_m);
-  if (result.matches < static_cast<std::size_t>(options.min_matches)) {
+  if (result.support_end < 2 * static_cast<std::size_t>(options.min_matches)) {
     result.stop = StopReason::kTooFewMatches;
     return result;
   }

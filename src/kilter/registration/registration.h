@@ -24,7 +24,7 @@ enum class RegistrationMethod {
 struct RegistrationOptions {
   RegistrationMethod method = RegistrationMethod::kPointToPlane;
   int max_iterations = 80;
-  int min_matches = 200;            ///< fewer correspondences end it as kTooFewMatches
+  int min_matches = 200;            ///< fewer correspondences, or fewer that fit at the end, are kTooFewMatches
   double search_distance_m = 1.0;   ///< correspondences of the first iterations may be this far. [m]
   double max_rotation_rad = 0.55;   ///< more than this from the start is refused. [rad]
   int max_points = 6000;            ///< source voxels used while iterating (evenly picked)
@@ -37,7 +37,7 @@ struct RegistrationOptions {
 enum class StopReason {
   kConverged,
   kMaxIterations,  ///< still moving when iterations ran out
-  kTooFewMatches,  ///< correspondences fell below min_matches
+  kTooFewMatches,  ///< correspondences, or those that fit, fell below min_matches
   kOverlapLost,    ///< the aligned pair overlaps by over a fifth less than before
   kOutOfRange,     ///< moved farther than the start can be wrong
   kDegenerate,     ///< no direction is fixed by the scene

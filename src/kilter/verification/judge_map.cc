@@ -22,6 +22,7 @@ double discovery_threshold(std::vector<double> p_values, double alpha) {
 }
 
 std::string why_inconsistent(const PairVerdict& verdict, const JudgeOptions& options) {
+  if (verdict.conflict_reason) return *verdict.conflict_reason;
   const auto& interval = *verdict.offset_interval_m;
   const std::string offset = fmt::format("offset {:.1f} cm ({:.1f} to {:.1f} cm)", 100.0 * *verdict.offset_m,
                                          100.0 * interval[0], 100.0 * interval[1]);
@@ -147,7 +148,8 @@ std::string undecided(const DecidedShares& shares, const std::vector<JudgedPair>
   return {};
 }
 
-// Upper 95 % bounds of all decided pairs; the others that overlap are named as excluded.
+// Upper 95 % bounds of all decided pairs; the others that overlap are named as excluded, and those whose free space
+// alone decides: it bounds a disagreement from below only.
 void certify(const std::vector<JudgedPair>& pairs, MapVerdict& map) {
   for (const JudgedPair& pair : pairs) {
     if (pair.verdict.verdict == Verdict::kUnverified) {
@@ -155,7 +157,10 @@ void certify(const std::vector<JudgedPair>& pairs, MapVerdict& map) {
       continue;
     }
     // The paper's own test measures no interval: it certifies nothing.
-    if (!pair.verdict.disagreement_most_m) continue;
+    if (!pair.verdict.disagreement_most_m) {
+      if (pair.verdict.conflict_reason) map.certificate_excludes.push_back(pair.id);
+      continue;
+    }
     map.certificate_m = std::max(map.certificate_m.value_or(0.0), *pair.verdict.disagreement_most_m);
   }
 }

@@ -32,6 +32,11 @@ constexpr double kLeastGain = 1.3;
 // this much of what both saw no longer conflicts, and at most half of the conflict is left.
 constexpr double kLeastGainWithFreeSpace = 1.1;
 constexpr double kLeastConflictGone = 0.02;
+// Of what both saw, this much may have moved in between.
+constexpr double kMovingShare = 0.2;
+constexpr double kConflictSampling = 0.02;  // standard deviation of such a share
+constexpr std::size_t kFewestKnown = 400;   // voxels, of both submaps, that it has to stand on
+constexpr double kSurely = 1e-4;            // a displacement of this p-value needs no other witness
 // An ambiguous registration is believed if this many around it agree.
 constexpr int kSupported = 2;
 
@@ -193,6 +198,86 @@ std::string doubt(const PairEvidence& pair, const MapNull& null, bool conflict_c
   return {};
 }
 
+// Free space as a witness of its own, where registration is none: for pairs of different places, for submaps that are
+// bent beyond what a rigid motion mends. A surface that stands where the other submap saw through lies at least the
+// conflict's margin off its counterpart, so a share s of such surfaces makes the disagreement at least margin *
+// sqrt(s).
+void let_free_space_speak(const PairEvidence& pair, const MapNull& null, const JudgeOptions& options,
+                          PairVerdict& verdict) {
+  if (!pair.overlaps || pair.map.conflict.known() < kFewestKnown) return;
+  if (verdict.p_value && *verdict.p_value <= kSurely) return;
+  const double margin_m = kConflictMarginVoxels * pair.resolution_m;
+  const double needed = std::max(std::pow(options.tolerance_m / margin_m, 2), kMovingShare);
+  const double excess = pair.map.conflict.share() - null.conflict;
+  const double z = (excess - needed) / std::hypot(null.conflict_spread, kConflictSampling);
+  if (z <= 0.0) return;
+  const double p_value = std::exp(log_normal_tail(z)) * (verdict.p_value ? 2.0 : 1.0);  // the better of two tests
+  if (verdict.p_value && *verdict.p_value <= p_value) return;
+  const double log_ratio = std::min(log_normal_tail(-z) - log_normal_tail(z), kMaxLogOdds);
+  verdict.evidence["conflict"].log_ratio = log_ratio;
+  verdict.p_value = p_value;
+  verdict.log_odds = log_ratio + std::log(options.prior_inconsistent / (1.0 - options.prior_inconsistent));
+  verdict.p_inconsistent = 1.0 / (1.0 + std::exp(-*verdict.log_odds));
+  verdict.rigid = false;
+  verdict.disagreement_most_m.reset();
+  verdict.conflict_reason = fmt::format(
+      "{:.0f} % of what both saw conflicts as the map has it (typical of this map: {:.0f} %), and no rigid motion that "
+      "can "
+      "be believed mends it: the places differ, or a submap is bent ({})",
+      100.0 * pair.map.conflict.share(), 100.0 * null.conflict, verdict.reason);
+}
+
+PairVerdict judge_displacement(const PairEvidence& pair, const MapNull& null, const JudgeOptions& options) {
+  PairVerdict verdict;
+  note_measurements(pair, null, verdict);
+  if (!pair.overlaps && !pair.registered) {
+    verdict.reason = pair.gate;
+    return verdict;
+  }
+  if (!pair.registration || !pair.registration->converged() || !pair.registered) {
+    verdict.reason = fmt::format("registration failed: {}", pair.registration ? to_string(pair.registration->stop)
+                                                                              : std::string_view("not tried"));
+    return verdict;
+  }
+  verdict.unobservable = pair.registration->unobservable;
+  const OffsetEstimate offset = estimate_offset(*pair.registration, pair.T_target_source);
+  const Bend& bend = pair.registration->bend;
+  note_offset(offset, bend, options, verdict);
+  note_support(*pair.registration, pair.agreement, verdict);
+  const std::string measured =
+      fmt::format("offset {} ({} to {})", in_cm(offset.offset_m), in_cm((*verdict.offset_interval_m)[0]),
+                  in_cm((*verdict.offset_interval_m)[1]));
+  verdict.rigid = bend.rms_m <= options.tolerance_m;
+  verdict.bent = bent_one(bend);
+  const bool moved = offset.offset_m > options.tolerance_m;
+  const bool beyond = *verdict.disagreement_m > options.tolerance_m;
+  const std::string why_not = doubt(pair, null, verdict.rigid || moved);
+  if (!why_not.empty()) {
+    verdict.reason = fmt::format("{}; {}", measured, why_not);
+    verdict.p_value.reset();
+  } else if (moved && !fit_improved(pair)) {
+    verdict.reason = fmt::format("{}, but the pair agrees no better there", measured);
+    verdict.p_value.reset();
+  } else if (beyond) {
+    verdict.reason = fmt::format(
+        "{}, {} apart with what no rigid motion mends: not told from the tolerance of {} over "
+        "the whole map",
+        measured, in_cm(*verdict.disagreement_m), in_cm(options.tolerance_m));
+  } else if (log_tails(disagreement_law(offset.with_prior, bend), options.tolerance_m).above <=
+             std::log(kConsistentTail)) {
+    verdict.verdict = Verdict::kConsistent;
+    verdict.reason = fmt::format("{}: below the tolerance of {}", measured, in_cm(options.tolerance_m));
+  } else if (log_tails(disagreement_law(offset.measured, bend), options.tolerance_m).above <=
+             std::log(kConsistentTail)) {
+    verdict.reason = fmt::format("{}, but a direction that nothing in the scene fixes could hide {}", measured,
+                                 in_cm(2.0 * offset.hidden_sigma_m));
+  } else {
+    verdict.reason =
+        fmt::format("{}: too uncertain to be told from the tolerance of {}", measured, in_cm(options.tolerance_m));
+  }
+  return verdict;
+}
+
 }  // namespace
 
 std::vector<OptionField> fields(JudgeOptions& o) {
@@ -246,53 +331,8 @@ MapNull estimate_null(std::span<const PairEvidence> pairs) {
 }
 
 PairVerdict judge_pair(const PairEvidence& pair, const MapNull& null, const JudgeOptions& options) {
-  PairVerdict verdict;
-  note_measurements(pair, null, verdict);
-  if (!pair.overlaps && !pair.registered) {
-    verdict.reason = pair.gate;
-    return verdict;
-  }
-  if (!pair.registration || !pair.registration->converged() || !pair.registered) {
-    verdict.reason = fmt::format("registration failed: {}", pair.registration ? to_string(pair.registration->stop)
-                                                                              : std::string_view("not tried"));
-    return verdict;
-  }
-  verdict.unobservable = pair.registration->unobservable;
-  const OffsetEstimate offset = estimate_offset(*pair.registration, pair.T_target_source);
-  const Bend& bend = pair.registration->bend;
-  note_offset(offset, bend, options, verdict);
-  note_support(*pair.registration, pair.agreement, verdict);
-  const std::string measured =
-      fmt::format("offset {} ({} to {})", in_cm(offset.offset_m), in_cm((*verdict.offset_interval_m)[0]),
-                  in_cm((*verdict.offset_interval_m)[1]));
-  verdict.rigid = bend.rms_m <= options.tolerance_m;
-  verdict.bent = bent_one(bend);
-  const bool moved = offset.offset_m > options.tolerance_m;
-  const bool beyond = *verdict.disagreement_m > options.tolerance_m;
-  const std::string why_not = doubt(pair, null, verdict.rigid || moved);
-  if (!why_not.empty()) {
-    verdict.reason = fmt::format("{}; {}", measured, why_not);
-    verdict.p_value.reset();
-  } else if (moved && !fit_improved(pair)) {
-    verdict.reason = fmt::format("{}, but the pair agrees no better there", measured);
-    verdict.p_value.reset();
-  } else if (beyond) {
-    verdict.reason = fmt::format(
-        "{}, {} apart with what no rigid motion mends: not told from the tolerance of {} over "
-        "the whole map",
-        measured, in_cm(*verdict.disagreement_m), in_cm(options.tolerance_m));
-  } else if (log_tails(disagreement_law(offset.with_prior, bend), options.tolerance_m).above <=
-             std::log(kConsistentTail)) {
-    verdict.verdict = Verdict::kConsistent;
-    verdict.reason = fmt::format("{}: below the tolerance of {}", measured, in_cm(options.tolerance_m));
-  } else if (log_tails(disagreement_law(offset.measured, bend), options.tolerance_m).above <=
-             std::log(kConsistentTail)) {
-    verdict.reason = fmt::format("{}, but a direction that nothing in the scene fixes could hide {}", measured,
-                                 in_cm(2.0 * offset.hidden_sigma_m));
-  } else {
-    verdict.reason =
-        fmt::format("{}: too uncertain to be told from the tolerance of {}", measured, in_cm(options.tolerance_m));
-  }
+  PairVerdict verdict = judge_displacement(pair, null, options);
+  if (verdict.verdict != Verdict::kConsistent) let_free_space_speak(pair, null, options, verdict);
   return verdict;
 }
 

@@ -138,6 +138,37 @@ TEST(JudgePair, ConflictThatABendExplainsIsNoDoubt) {
   EXPECT_EQ(verdict_of(moved), Verdict::kUnverified);
 }
 
+// Two places taken for one, or submaps bent beyond repair: no registration is believed, yet walls stand where the other
+// submap saw through.
+TEST(JudgePair, FreeSpaceAloneTellsWrongPlaces) {
+  PairEvidence pair = pair_moved(0.6, 0.01);
+  pair.registration->support_end = pair.registration->support_start;  // fits no better there
+  pair.map.conflict = {{1000, 450}, {1000, 350}};
+  std::vector<JudgedPair> pairs = {judged(pair)};
+  const MapVerdict map = judge_map(pairs, kRobots, {});
+  EXPECT_EQ(pairs[0].verdict.verdict, Verdict::kInconsistent);
+  EXPECT_NE(pairs[0].verdict.reason.find("40 % of what both saw conflicts"), std::string::npos)
+      << pairs[0].verdict.reason;
+  EXPECT_FALSE(pairs[0].verdict.rigid) << "its registration is no constraint";
+  EXPECT_GT(pairs[0].verdict.evidence.at("conflict").log_ratio, 0.0);
+  EXPECT_FALSE(map.certificate_m) << "free space bounds a disagreement from below only";
+  EXPECT_EQ(map.certificate_excludes.size(), 1U);
+  PairEvidence failed = pair;
+  failed.registration->stop = StopReason::kMaxIterations;
+  failed.registered.reset();
+  EXPECT_EQ(verdict_of(failed), Verdict::kInconsistent);
+  EXPECT_EQ(verdict_of(failed, {.tolerance_m = 0.3}), Verdict::kUnverified) << "the margin is less than that";
+}
+
+TEST(JudgePair, WhatMovedInBetweenIsNoConflictOfPlaces) {
+  PairEvidence pair = pair_moved(0.6, 0.01);
+  pair.registration->support_end = pair.registration->support_start;
+  pair.map.conflict = {{1000, 180}, {1000, 180}};
+  EXPECT_EQ(verdict_of(pair), Verdict::kUnverified);
+  pair.map.conflict = {{100, 45}, {100, 45}};  // too little to stand on
+  EXPECT_EQ(verdict_of(pair), Verdict::kUnverified);
+}
+
 TEST(JudgePair, ASmallGainCountsIfFreeSpaceAgrees) {
   PairEvidence pair = pair_moved(0.3, 0.01);
   pair.registration->support_end = pair.registration->support_start * 6 / 5;

@@ -73,7 +73,9 @@ struct PairVerdict {
   std::vector<Vector6> unobservable;               ///< unit twists about the overlap's centre, target axes
   std::optional<double> p_value;                   ///< for "at most the tolerance"
   bool rigid = true;  ///< false if parts stay apart by over the tolerance whatever the rigid motion: a submap is bent
-  std::string bent;   ///< which: "the source", "the target", "one of the two"; meaningful where `rigid` is false
+  /// What free space alone says against the map's pose, if that is what p_value rests on.
+  std::optional<std::string> conflict_reason;
+  std::string bent;  ///< which: "the source", "the target", "one of the two"; meaningful where `rigid` is false
   std::optional<double> log_odds;  ///< ln(p / (1 - p)) of p_inconsistent
   std::optional<double> p_inconsistent;
 };
