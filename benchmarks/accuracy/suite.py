@@ -127,6 +127,7 @@ def said_of(pair):
             "p": pair["p_inconsistent"] if pair["p_inconsistent"] is not None else 0.5,
             "offset_m": pair["offset_m"], "interval_m": pair["offset_interval_m"],
             "gamma_literal": pair["gamma_literal"], "verified": pair["verified"], **evidence,
+            "pieces": pair["evidence"],
             # Free space alone decided: no registration is behind it.
             "by_conflict": pair["evidence"].get("conflict", {}).get("log_ratio") is not None}
 
