@@ -13,7 +13,8 @@ except ImportError:
 
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT / "benchmarks" / "accuracy"))
-import baselines  # noqa: E402  (found only after the line above)
+import ablation  # noqa: E402  (found only after the line above)
+import baselines  # noqa: E402
 import labels  # noqa: E402
 import scores  # noqa: E402
 import suite  # noqa: E402
@@ -68,6 +69,35 @@ class Labels(unittest.TestCase):
             angle = np.arccos(np.clip((np.trace(T[:3, :3]) - 1) / 2, -1, 1))
             self.assertIn(round(shift, 9), {"roll": (0.0,), "pitch": (0.0,), "yaw": (0.0,)}.get(direction, (0.2,)))
             self.assertIn(round(angle, 6), {"ahead": (0.0,), "left": (0.0,), "up": (0.0,)}.get(direction, (0.03,)))
+
+
+def row_of(displacement_m, log_ratio, reason="", **pieces):
+    both = {"displacement": {"value": displacement_m, "log_ratio": log_ratio},
+            "disagreement": {"value": displacement_m, "log_ratio": log_ratio},
+            "support": {"value": 1000, "null": 3000}}
+    return {"reason": reason, "pieces": {**both, **pieces}}
+
+
+class Ablation(unittest.TestCase):
+    def test_a_piece_that_is_left_out_no_longer_decides(self):
+        moved = row_of(0.4, 50.0)
+        self.assertEqual(ablation.decide(moved), "inconsistent")
+        ambiguous = row_of(0.4, 50.0, ambiguity={"value": 0.9})
+        self.assertEqual(ablation.decide(ambiguous), "unverified")
+        self.assertEqual(ablation.decide(ambiguous, "ambiguity"), "inconsistent")
+        bent = row_of(0.03, -30.0)
+        bent["pieces"]["disagreement"] = {"value": 0.5, "log_ratio": 40.0}
+        self.assertEqual(ablation.decide(bent), "inconsistent")
+        self.assertEqual(ablation.decide(bent, "bend"), "consistent")
+        contradicted = row_of(0.4, 50.0, reason="of the 3 around it, 3 ask for another correction")
+        contradicted["pieces"]["conflict"] = {"value": 0.6, "log_ratio": 60.0}
+        self.assertEqual(ablation.decide(contradicted), "inconsistent")
+        self.assertEqual(ablation.decide(contradicted, "free space alone"), "unverified")
+
+    def test_good_pairs_are_consistent_unless_something_could_hide(self):
+        self.assertEqual(ablation.decide(row_of(0.02, -40.0)), "consistent")
+        self.assertEqual(ablation.decide(row_of(0.02, -40.0, reason="nothing fixes it and could hide 2 m")), "unverified")
+        self.assertEqual(ablation.decide({"reason": "not a pair"}), "unverified")
 
 
 class Baselines(unittest.TestCase):

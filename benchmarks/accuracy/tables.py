@@ -5,6 +5,7 @@ import collections
 
 import numpy as np
 
+import ablation
 import scores
 from baselines import RADII_M
 
@@ -225,6 +226,26 @@ def certificate_line(answers):
         print(f"The certificate covers the truth in {held} of {of} missions; its median is {100 * np.median(widths):.1f} cm.\n")
 
 
+def ablation_table(answers):
+    table = []
+    rows = [r for r in rows_of(answers) if r["overlap"] >= ENOUGH_OVERLAP and r["fixed"]]
+    bad = [r for r in rows if r["rms_m"] > BAD_M]
+    good = [r for r in rows if r["rms_m"] < GOOD_M]
+    cases = [("as the program has it", lambda r: r["verdict"], published),
+             ("decided again, all pieces", ablation.decide, ablation.log_odds)]
+    cases += [(f"without {name}", lambda r, n=name: ablation.decide(r, n), lambda r, n=name: ablation.log_odds(r, n))
+              for name in ablation.PIECES]
+    for name, decide, odds in cases:
+        said = [decide(r) for r in bad], [decide(r) for r in good], [decide(r) for r in rows]
+        scored = [[odds(r) if r.get("pieces") else 0.0 for r in some] for some in (bad, good)]
+        wrong = [r for r, verdict in zip(rows, said[2]) if verdict == "inconsistent" and r["rms_m"] <= TOLERANCE_M]
+        table.append([name, share(said[0].count("inconsistent"), len(bad)), share(said[0].count("consistent"), len(bad)),
+                      share(said[1].count("inconsistent"), len(good)), share(said[1].count("consistent"), len(good)),
+                      share(said[2].count("unverified"), len(rows)), len(wrong), number(scores.area(*scored), 4)])
+    print_table(["evidence", "bad inconsistent", "consistent", "good inconsistent", "consistent", "unverified",
+                 "inconsistent at most the tolerance apart", "AUC"], table)
+
+
 def seconds_line(answers):
     seconds = [sum(a["seconds"].values()) / max(a["tested"], 1) for a in answers]
     print(f"Wall seconds a tested pair, one thread, everything included: median {np.median(seconds):.3f}.\n")
@@ -238,6 +259,7 @@ def drift(answers):
     wrong_place_table(answers)
     calibration_table(answers)
     certificate_line(answers)
+    ablation_table(answers)
     seconds_line(answers)
 
 

@@ -1,0 +1,65 @@
+# SPDX-FileCopyrightText: The kilter authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""What each piece of evidence is worth: pairs decided again from what result.json says of them, without one piece.
+
+The rules are those of docs/verdicts.md on one pair: `inconsistent` above 99 %, `consistent` below 5 %, and what makes the
+registration doubtful in between. Shares so differ a little from the program's, which holds false discoveries over the
+whole map and knows the spread behind each null; the table's first row shows how much.
+"""
+import math
+
+TOLERANCE_M = 0.10
+SURE = math.log(0.99 / 0.01)
+PRIOR = math.log(0.05 / 0.95)
+
+PIECES = ("bend", "neighbours", "ambiguity", "kept overlap", "conflict once registered", "gain of support",
+          "free space alone")
+
+
+def value(row, name, key="value"):
+    return row["pieces"].get(name, {}).get(key)
+
+
+def log_odds(row, without=""):
+    """Of a disagreement above the tolerance, at the prior; 0 where nothing was measured."""
+    said = value(row, "displacement" if without == "bend" else "disagreement", "log_ratio")
+    alone = value(row, "conflict", "log_ratio") if without != "free space alone" else None
+    ratios = [ratio for ratio in (said, alone) if ratio is not None]
+    return max(ratios) + PRIOR if ratios else 0.0
+
+
+def support_grew(row):
+    start, end = value(row, "support"), value(row, "support", "null")
+    before, after = value(row, "conflict") or 0.0, value(row, "conflict_registered") or 0.0
+    return end >= 1.3 * start or (end >= 1.1 * start and before - after >= 0.02 and after <= 0.5 * before)
+
+
+def doubts(row):
+    """Pieces of evidence that forbid to believe the registration."""
+    found = set()
+    moved = value(row, "displacement") > TOLERANCE_M
+    if "ask for another correction" in row["reason"]:
+        found.add("neighbours")
+    if (value(row, "ambiguity") or 0.0) > 0.7 and (value(row, "agreeing") or 0.0) < 2:
+        found.add("ambiguity")
+    if "registration lost overlap" in row["reason"]:
+        found.add("kept overlap")
+    bent = (value(row, "bend_m") or 0.0) > TOLERANCE_M
+    after, typical = value(row, "conflict_registered"), value(row, "conflict_registered", "null")
+    if after is not None and after > typical + 0.03 and (moved or not bent):
+        found.add("conflict once registered")
+    if moved and not support_grew(row):
+        found.add("gain of support")
+    return found
+
+
+def decide(row, without=""):
+    if not row.get("pieces"):
+        return "unverified"
+    odds = log_odds(row, without)
+    if without != "free space alone" and value(row, "conflict", "log_ratio") is not None:
+        return "inconsistent" if odds > SURE else "unverified"
+    if value(row, "displacement") is None or doubts(row) - {without}:
+        return "unverified"
+    hidden = "could hide" in row["reason"]  # by a direction that nothing fixes
+    return "inconsistent" if odds > SURE else "consistent" if odds < PRIOR - math.log(19) and not hidden else "unverified"
