@@ -21,6 +21,17 @@ import suite  # noqa: E402
 
 
 class Scores(unittest.TestCase):
+    def test_discoveries_are_those_of_benjamini_and_hochberg(self):
+        p = [0.009, 0.001, 0.014, 0.2, float("nan")]  # limits of four tests at 2 %: 0.005, 0.010, 0.015, 0.020
+        self.assertEqual(scores.discoveries(p, 0.02).tolist(), [True, True, True, False, False])
+        self.assertFalse(scores.discoveries([0.5, 0.02], 0.01).any())
+        self.assertFalse(scores.discoveries([float("nan")], 0.01).any())
+
+    def test_a_weight_stands_for_so_many_pairs(self):
+        p, above = np.array([0.7, 0.7, 0.2]), np.array([1, 0, 0])
+        twice = scores.calibration(np.append(p, 0.7), np.append(above, 1))[0]
+        self.assertAlmostEqual(scores.weighted_calibration(p, above, [2, 1, 1]), twice)
+
     def test_area_counts_ties_half(self):
         self.assertEqual(scores.area([3, 4], [1, 2]), 1.0)
         self.assertEqual(scores.area([1, 2], [3, 4]), 0.0)

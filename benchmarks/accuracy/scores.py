@@ -71,6 +71,22 @@ def calibration(p, above, bins=10):
     return sum(n * abs(mean - share) for mean, share, n in rows) / len(p), rows
 
 
+def discoveries(p_values, alpha=0.01):
+    """Which of them Benjamini and Hochberg (1995) call discoveries at level alpha; nan is a test that was not made."""
+    p = np.asarray(p_values, float)
+    ordered = np.sort(p[np.isfinite(p)])
+    passed = np.flatnonzero(ordered <= alpha * np.arange(1, len(ordered) + 1) / max(len(ordered), 1))
+    return p <= ordered[passed[-1]] if len(passed) else np.zeros(len(p), bool)
+
+
+def weighted_calibration(p, above, weights, bins=10):
+    """Expected calibration error where each pair stands for `weights` of them."""
+    p, above, weights = (np.asarray(some, float) for some in (p, above, weights))
+    at = np.minimum((p * bins).astype(int), bins - 1)
+    parts = [abs((weights * (p - above))[at == k].sum()) for k in range(bins)]
+    return sum(parts) / weights.sum() if len(p) else float("nan")
+
+
 def logistic_fit(features, above, rounds=50):
     """Weights (last one the constant) of a logistic regression by Newton's method with a small ridge."""
     X = np.hstack([features, np.ones((len(features), 1))])

@@ -187,6 +187,36 @@ def discovery_table(answers):
                  "below 5 cm"], table)
 
 
+def set_shares_table(answers, shares=(0.03, 0.40), pairs=200, draws=400):
+    """Maps of `pairs` pairs, drawn anew from all missions so that the given share lies above the tolerance."""
+    rows = [r for r in rows_of(answers) if r["fixed"] and r["reason"] != "not a pair"]
+    above = np.array([r["rms_m"] > TOLERANCE_M for r in rows])
+    p_values = np.array([float("nan") if r["p_value"] is None else r["p_value"] for r in rows])
+    log_odds = np.array([r["log_odds"] for r in rows])
+    if not above.any() or above.all():
+        return
+    rng = np.random.default_rng(1)
+    table = []
+    for share_above in shares:
+        false, found = [], []
+        for _ in range(draws):
+            bad = int(round(share_above * pairs))
+            drawn = np.concatenate([rng.choice(np.flatnonzero(above), bad), rng.choice(np.flatnonzero(~above), pairs - bad)])
+            said = scores.discoveries(p_values[drawn])
+            false.append((said & ~above[drawn]).sum() / max(said.sum(), 1))
+            found.append((said & above[drawn]).sum() / bad)
+        weights = np.where(above, share_above / above.mean(), (1 - share_above) / (1 - above.mean()))
+        cells = []
+        for prior in (0.05, share_above):
+            p = 1 / (1 + np.exp(-np.clip(log_odds + np.log(prior / (1 - prior)) - ablation.PRIOR, -700, 700)))
+            middle = (p > 0.05) & (p < 0.95)
+            cells += [number(scores.weighted_calibration(p, above, weights)),
+                      f"{number(scores.weighted_calibration(p[middle], above[middle], weights[middle]))} of {middle.sum()}"]
+        table.append([f"{100 * share_above:.0f} %", f"{100 * np.mean(false):.2f} %", f"{100 * np.mean(found):.1f} %", *cells])
+    print_table(["above the tolerance", "false discoveries", "found", "calibration error", "between 0.05 and 0.95",
+                 "at this prior", "between 0.05 and 0.95"], table)
+
+
 def wrong_place_table(answers):
     wrong = [w for a in answers for w in a["wrong"]]
     if wrong:
@@ -256,6 +286,7 @@ def drift(answers):
     verdict_table(answers)
     area_table(answers)
     discovery_table(answers)
+    set_shares_table(answers)
     wrong_place_table(answers)
     calibration_table(answers)
     certificate_line(answers)
@@ -270,6 +301,7 @@ def sealed(answers):
     for name, some in (*by_group(answers).items(), ("all", answers)):
         print(f"### {name}\n")
         calibration_table(some)
+        set_shares_table(some)
         certificate_line(some)
 
 
