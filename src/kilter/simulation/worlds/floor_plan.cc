@@ -14,6 +14,9 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
+// How far walls that meet reach into each other.
+constexpr double kReach_m = 1e-4;
+
 Vector2d left_of(const Vector2d& along) { return {-along.y(), along.x()}; }
 
 // One thing against the wall at `at_m`; `out` points from the wall into the corridor.
@@ -45,6 +48,28 @@ bool FloorPlan::Strip::contains(const Vector2d& point_m) const {
   return s > 0.0 && s < length_m && std::abs(off.dot(left)) < half_width_m;
 }
 
+// Which part of start + s * along, s from 0 to length, runs inside the strip. Where walls meet, a tenth of a millimetre
+// of the strip does not count, so that they overlap and nobody looks between them. A line that runs along the strip's
+// own wall is inside if `with_walls`.
+std::optional<FloorPlan::Span> FloorPlan::Strip::span_inside(const Vector2d& line_start_m, const Vector2d& line_along,
+                                                             double line_length_m, bool with_walls) const {
+  const Vector2d off = line_start_m - start_m;
+  Span span{0.0, line_length_m};
+  const auto clip = [&](double at_m, double slope, double low_m, double high_m) {
+    if (std::abs(slope) < 1e-9) {
+      const double margin_m = with_walls ? -kReach_m : kReach_m;
+      if (at_m < low_m + margin_m || at_m > high_m - margin_m) span.to_m = span.from_m;
+      return;
+    }
+    const auto [near_m, far_m] = std::minmax({(low_m + kReach_m - at_m) / slope, (high_m - kReach_m - at_m) / slope});
+    span = {std::max(span.from_m, near_m), std::min(span.to_m, far_m)};
+  };
+  clip(off.dot(along), line_along.dot(along), 0.0, length_m);
+  clip(off.dot(left), line_along.dot(left), -half_width_m, half_width_m);
+  if (span.to_m <= span.from_m) return std::nullopt;
+  return span;
+}
+
 void FloorPlan::add_passage(const Vector2d& start_m, const Vector2d& end_m, double width_m) {
   const Vector2d along = (end_m - start_m).normalized();
   strips_.push_back({start_m, along, left_of(along), (end_m - start_m).norm(), 0.5 * width_m});
@@ -55,26 +80,28 @@ void FloorPlan::add_corridor(const Vector2d& start_m, const Vector2d& end_m, dou
   add_passage(start_m - reach, end_m + reach, width_m);
 }
 
-bool FloorPlan::is_free(const Vector2d& point_m, const Strip* except) const {
-  return std::any_of(strips_.begin(), strips_.end(),
-                     [&](const Strip& strip) { return &strip != except && strip.contains(point_m); });
+bool FloorPlan::is_free(const Vector2d& point_m) const {
+  return std::any_of(strips_.begin(), strips_.end(), [&](const Strip& strip) { return strip.contains(point_m); });
 }
 
-// The parts of one side of a strip that no other strip opens, found in steps of a centimetre.
+// The parts of one side of a strip that no other strip opens; of two that share a wall, the first has it.
 void FloorPlan::walls_along(const Strip& strip, const Vector2d& start_m, const Vector2d& end_m,
                             std::vector<Piece>& pieces) const {
-  constexpr double kStep_m = 0.01;
   const double length_m = (end_m - start_m).norm();
   const Vector2d along = (end_m - start_m) / length_m;
-  const int steps = static_cast<int>(std::ceil(length_m / kStep_m));
-  int first = -1;
-  for (int i = 0; i <= steps; ++i) {
-    const bool wall = i < steps && !is_free(start_m + (i + 0.5) / steps * length_m * along, &strip);
-    if (wall && first < 0) first = i;
-    if (wall || first < 0) continue;
-    pieces.push_back({start_m + static_cast<double>(first) / steps * length_m * along,
-                      start_m + static_cast<double>(i) / steps * length_m * along});
-    first = -1;
+  std::vector<Span> open;
+  for (const Strip& other : strips_) {
+    if (&other == &strip) continue;
+    if (const auto span = other.span_inside(start_m, along, length_m, &other < &strip)) open.push_back(*span);
+  }
+  std::sort(open.begin(), open.end(), [](const Span& a, const Span& b) { return a.from_m < b.from_m; });
+  open.push_back({length_m, length_m});
+  double wall_from_m = 0.0;
+  for (const Span& span : open) {
+    if (span.from_m > wall_from_m + 2.0 * kReach_m) {
+      pieces.push_back({start_m + wall_from_m * along, start_m + span.from_m * along});
+    }
+    wall_from_m = std::max(wall_from_m, span.to_m);
   }
 }
 
@@ -103,7 +130,7 @@ void FloorPlan::build_hedges(TriangleMesh& mesh, double height_m, Rng& rng) cons
     const double length_m = (piece.end_m - piece.start_m).norm();
     const int segments = std::max(1, static_cast<int>(length_m / kSegment_m));
     const auto reach_m = [&](const Vector2d& end_m, const Vector2d& out) {
-      return is_free(end_m + kCorner_m * out, nullptr) ? kJoint_m : kCorner_m;
+      return is_free(end_m + kCorner_m * out) ? kJoint_m : kCorner_m;
     };
     const double reach_start_m = reach_m(piece.start_m, -along);
     const double reach_end_m = reach_m(piece.end_m, along);
@@ -119,7 +146,7 @@ void FloorPlan::build_hedges(TriangleMesh& mesh, double height_m, Rng& rng) cons
                     .yaw_rad = std::atan2(along.y(), along.x())},
                    Material::kFoliage);
       const Vector2d tree_m = at_m + rng.uniform(0.8, 1.2) * away;
-      if (rng.uniform() < 0.12 && !is_free(tree_m, nullptr)) {
+      if (rng.uniform() < 0.12 && !is_free(tree_m)) {
         add_tree(mesh, {tree_m.x(), tree_m.y(), 0.0}, rng.uniform(4.5, 7.0), rng.uniform(0.7, 1.1), rng);
       }
     }

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "kilter/base/rng.h"
@@ -28,18 +29,25 @@ class FloorPlan {
              Rng& rng) const;
 
  private:
+  // Part of a line, from its start.
+  struct Span {
+    double from_m, to_m;
+  };
   struct Strip {
     Eigen::Vector2d start_m, along, left;
     double length_m, half_width_m;
 
     [[nodiscard]] bool contains(const Eigen::Vector2d& point_m) const;
+    [[nodiscard]] std::optional<Span> span_inside(const Eigen::Vector2d& line_start_m,
+                                                  const Eigen::Vector2d& line_along, double line_length_m,
+                                                  bool with_walls) const;
   };
   // A piece of wall; the free side is to the left of start -> end.
   struct Piece {
     Eigen::Vector2d start_m, end_m;
   };
 
-  [[nodiscard]] bool is_free(const Eigen::Vector2d& point_m, const Strip* except) const;
+  [[nodiscard]] bool is_free(const Eigen::Vector2d& point_m) const;
   void walls_along(const Strip& strip, const Eigen::Vector2d& start_m, const Eigen::Vector2d& end_m,
                    std::vector<Piece>& pieces) const;
   [[nodiscard]] std::vector<Piece> walls() const;
