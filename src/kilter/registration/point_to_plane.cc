@@ -162,11 +162,11 @@ std::size_t doubt_weak_directions(PlanePair& pair, const Pose3& T_target_source,
   const std::size_t before = held.size();
   for (int k = look.split.unobservable; k < 6 && look.split.shares[k] < kEnoughShare; ++k) {
     const Vector6 motion = motion_of_frame(look.equations, look.split.directions.col(k));
-    const double contrast = slide_contrast(pair, T_target_source, motion);
-    if (contrast < kLeastContrast) {
-      held.push_back(motion);
+    const SlideContrast contrast = slide_contrast(pair, T_target_source, motion);
+    if (contrast.fixed()) {
+      look.split.blur_m[k] = contrast.blur_voxels() * pair.target_map().resolution_m();
     } else {
-      look.split.blur_m[k] = blur_voxels(contrast) * pair.target_map().resolution_m();
+      held.push_back(motion);
     }
   }
   return held.size() - before;

@@ -11,12 +11,13 @@ namespace kilter {
 namespace {
 
 constexpr double kFacingCosine = 0.4;
-constexpr std::array kSlides = {2.0, 3.0, 5.0, 7.5, 10.0};  // voxels
+constexpr std::array kSlides = {10.0, 7.5, 5.0, 3.0, 2.0};  // voxels
+constexpr double kWidest = 5.0;                             // of these, that a peak may be
 constexpr double kSearchVoxels = 4.0;
 constexpr double kFitVoxels = 0.25;
-constexpr std::size_t kFewestFitting = 20;
+constexpr double kFewestFitting = 20.0;
+constexpr double kMostScaled = 2.0;
 constexpr std::size_t kMostPoints = 6000;  // of each submap
-constexpr double kBlurVoxels = 0.14;
 
 // Voxels of one submap that face a motion.
 struct FacingPoints {
@@ -45,13 +46,17 @@ FacingPoints facing_points(const VoxelMap& map, const Pose3& T_target_points, co
   return facing;
 }
 
-std::size_t count_fitting(const FacingPoints& points, const VoxelMap& onto, NearestVoxelCursor& in_onto,
-                          const Pose3& T_onto_points) {
+struct Fit {
+  double fitting = 0.0;
+  double met = 0.0;  // points with a plane near them that faces the same way
+};
+
+Fit fit_of(const FacingPoints& points, const VoxelMap& onto, NearestVoxelCursor& in_onto, const Pose3& T_onto_points) {
   const double resolution_m = onto.resolution_m();
   const SurfaceVoxels& planes = onto.voxels();
   const bool oriented = points.map.has_free_space() && onto.has_free_space();
   const Eigen::Isometry3d T = T_onto_points.isometry();
-  std::size_t fitting = 0;
+  Fit fit;
   for (const std::uint32_t i : points.voxels) {
     const Eigen::Vector3d point_m = T * points.map.voxels().centroids_m[i].cast<double>();
     const auto nearest = in_onto.nearest(point_m, kSearchVoxels * resolution_m);
@@ -60,33 +65,39 @@ std::size_t count_fitting(const FacingPoints& points, const VoxelMap& onto, Near
     if (normal.isZero()) continue;
     if (!normals_agree(T.linear() * points.map.voxels().normals[i].cast<double>(), normal, oriented)) continue;
     const double residual_m = normal.dot(point_m - planes.centroids_m[nearest->voxel].cast<double>());
-    fitting += std::abs(residual_m) < kFitVoxels * resolution_m ? 1 : 0;
+    fit.met += 1.0;
+    fit.fitting += std::abs(residual_m) < kFitVoxels * resolution_m ? 1.0 : 0.0;
   }
-  return fitting;
+  return fit;
 }
 
 }  // namespace
 
-double slide_contrast(PlanePair& pair, const Pose3& T_target_source, const Vector6& motion) {
+SlideContrast slide_contrast(PlanePair& pair, const Pose3& T_target_source, const Vector6& motion) {
   const FacingPoints of_source = facing_points(pair.source_map(), T_target_source, motion);
   const FacingPoints of_target = facing_points(pair.target_map(), Pose3(), motion);
   const auto fitting_after = [&](double slide_m) {
     Vector6 turn = Vector6::Zero();
     turn.tail<3>() = slide_m * motion.tail<3>();
     const Pose3 T = Pose3(Pose3::exp(turn).rotation(), slide_m * motion.head<3>()) * T_target_source;
-    return count_fitting(of_source, pair.target_map(), pair.in_target, T) +
-           count_fitting(of_target, pair.source_map(), pair.in_source, T.inverse());
+    const Fit forward = fit_of(of_source, pair.target_map(), pair.in_target, T);
+    const Fit backward = fit_of(of_target, pair.source_map(), pair.in_source, T.inverse());
+    return Fit{forward.fitting + backward.fitting, forward.met + backward.met};
   };
-  const std::size_t here = fitting_after(0.0);
-  if (here < kFewestFitting) return 0.0;
-  std::size_t elsewhere = 1;
+  const Fit here = fitting_after(0.0);
+  SlideContrast found{0.0, kWidest};
+  if (here.fitting < kFewestFitting) return found;
+  double elsewhere = 1.0;
   for (const double slide : kSlides) {
-    const double slide_m = slide * pair.target_map().resolution_m();
-    elsewhere = std::max({elsewhere, fitting_after(slide_m), fitting_after(-slide_m)});
+    for (const double slide_m : {slide * pair.target_map().resolution_m(), -slide * pair.target_map().resolution_m()}) {
+      const Fit slid = fitting_after(slide_m);
+      elsewhere = std::max(elsewhere, slid.fitting * std::clamp(here.met / std::max(slid.met, 1.0), 1.0, kMostScaled));
+    }
+    const SlideContrast beyond{here.fitting / elsewhere, slide};
+    if (slide >= kWidest || beyond.fixed()) found = beyond;
+    if (slide <= kWidest && !beyond.fixed()) break;
   }
-  return static_cast<double>(here) / static_cast<double>(elsewhere);
+  return found;
 }
-
-double blur_voxels(double contrast) { return kBlurVoxels / (contrast - 1.0); }
 
 }  // namespace kilter

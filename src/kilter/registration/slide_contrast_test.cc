@@ -21,7 +21,7 @@ SubmapPair pair_in(const Scene& scene) {
   return {submap_of(scene, first, first[0], 1), submap_of(scene, second, second[0], 2), first[0].inverse() * second[0]};
 }
 
-double contrast_along(const SubmapPair& pair, const Pose3& T_target_source, const Eigen::Vector3d& axis) {
+SlideContrast contrast_along(const SubmapPair& pair, const Pose3& T_target_source, const Eigen::Vector3d& axis) {
   const NearestVoxelSearch source(pair.source.map, VoxelPosition::kCentroid, 1.0);
   const NearestVoxelSearch target(pair.target.map, VoxelPosition::kCentroid, 1.0);
   PlanePair both{source, target};
@@ -32,9 +32,9 @@ double contrast_along(const SubmapPair& pair, const Pose3& T_target_source, cons
 
 TEST(SlideContrast, NothingStandsAgainstAMoveAlongABareCorridor) {
   const SubmapPair pair = pair_in(testing::bare_corridor());
-  EXPECT_LT(contrast_along(pair, pair.T_target_source, Eigen::Vector3d::UnitX()), kLeastContrast);
-  EXPECT_GT(contrast_along(pair, pair.T_target_source, Eigen::Vector3d::UnitY()), 3.0);
-  EXPECT_GT(contrast_along(pair, pair.T_target_source, Eigen::Vector3d::UnitZ()), 3.0);
+  EXPECT_FALSE(contrast_along(pair, pair.T_target_source, Eigen::Vector3d::UnitX()).fixed());
+  EXPECT_GT(contrast_along(pair, pair.T_target_source, Eigen::Vector3d::UnitY()).contrast, 3.0);
+  EXPECT_GT(contrast_along(pair, pair.T_target_source, Eigen::Vector3d::UnitZ()).contrast, 3.0);
 }
 
 // The sides of one pillar are a few per cent of what is seen; they fit at one place.
@@ -42,23 +42,47 @@ TEST(SlideContrast, APillarDoes) {
   Scene scene = testing::bare_corridor();
   scene.push_back({{7.0, 0.6, 0.0}, {7.6, 1.4, 3.0}});
   const SubmapPair pair = pair_in(scene);
-  EXPECT_GT(contrast_along(pair, pair.T_target_source, Eigen::Vector3d::UnitX()), kLeastContrast);
-  const Pose3 slid = pose_at(0.4, 0.0, 0.0, 0.0) * pair.T_target_source;
-  EXPECT_LT(contrast_along(pair, slid, Eigen::Vector3d::UnitX()), 1.0) << "it fits better 0.4 m from there";
+  const SlideContrast at_truth = contrast_along(pair, pair.T_target_source, Eigen::Vector3d::UnitX());
+  EXPECT_TRUE(at_truth.fixed());
+  EXPECT_EQ(at_truth.beyond_voxels, 2.0);
+  const Pose3 slid = pose_at(0.7, 0.0, 0.0, 0.0) * pair.T_target_source;
+  EXPECT_LT(contrast_along(pair, slid, Eigen::Vector3d::UnitX()).contrast, 1.0) << "it fits better 0.7 m from there";
+}
+
+// Half of one submap's scans stand 20 cm beside the others: its pillar fits over that length.
+TEST(SlideContrast, ABentSubmapFitsLessSharply) {
+  Scene scene = testing::bare_corridor();
+  for (const double x : {-2.0, 7.0, 10.0}) scene.push_back({{x, 0.6, 0.0}, {x + 0.6, 1.4, 3.0}});
+  SubmapPair pair = pair_in(scene);
+  Scene beside = scene;
+  for (testing::Box& box : beside) {
+    if (box.high_m.x() - box.low_m.x() > 1.0) continue;
+    box.low_m.x() += 0.2;
+    box.high_m.x() += 0.2;
+  }
+  const std::vector<Pose3> poses = {pose_at(3.03, -0.22, 1.04, 0.0), pose_at(5.03, 0.12, 1.04, 0.0)};
+  beside.insert(beside.end(), scene.begin(), scene.end());
+  pair.source = submap_of(beside, poses, poses[0], 2);
+  const SlideContrast blurred = contrast_along(pair, pair.T_target_source, Eigen::Vector3d::UnitX());
+  EXPECT_TRUE(blurred.fixed()) << blurred.contrast;
+  EXPECT_GT(blurred.beyond_voxels, 2.0);
+  EXPECT_GT(blurred.blur_voxels(),
+            contrast_along(pair_in(scene), pair.T_target_source, Eigen::Vector3d::UnitX()).blur_voxels());
 }
 
 TEST(SlideContrast, SwappingTheRolesChangesLittle) {
   const SubmapPair pair = testing::room_pair();
   const SubmapPair swapped{pair.source, pair.target, pair.T_target_source.inverse()};
-  const double forward = contrast_along(pair, pair.T_target_source, Eigen::Vector3d::UnitZ());
+  const double forward = contrast_along(pair, pair.T_target_source, Eigen::Vector3d::UnitZ()).contrast;
   // The vertical is the same in both frames.
-  const double backward = contrast_along(swapped, swapped.T_target_source, Eigen::Vector3d::UnitZ());
+  const double backward = contrast_along(swapped, swapped.T_target_source, Eigen::Vector3d::UnitZ()).contrast;
   EXPECT_NEAR(backward / forward, 1.0, 0.1);
 }
 
-TEST(BlurVoxels, FallsWithTheContrast) {
-  EXPECT_GT(blur_voxels(kLeastContrast), 0.2);
-  EXPECT_LT(blur_voxels(4.0), 0.05);
+TEST(SlideContrast, BlurFallsWithTheContrast) {
+  EXPECT_NEAR((SlideContrast{1.5, 2.0}).blur_voxels(), 0.28, 1e-12);
+  EXPECT_LT((SlideContrast{4.0, 2.0}).blur_voxels(), 0.05);
+  EXPECT_GT((SlideContrast{1.6, 5.0}).blur_voxels(), 0.5);
 }
 
 }  // namespace
