@@ -209,7 +209,7 @@ RegistrationResult finish(PlanePair& pair, const Pose3& start, Descent descent, 
   result.support_end = look.supporting;
   result.support_start = count_below(match_planes(pair, start, final_search_m(pair.target_map(), options), kAllPoints),
                                      kSupportVoxels * resolution_m);
-  if (result.support_end < 2 * static_cast<std::size_t>(options.min_matches)) {
+  if (look.residuals.empty() || result.support_end < 2 * static_cast<std::size_t>(options.min_matches)) {
     result.stop = StopReason::kTooFewMatches;
     return result;
   }

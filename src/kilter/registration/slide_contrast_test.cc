@@ -21,9 +21,10 @@ SubmapPair pair_in(const Scene& scene) {
   return {submap_of(scene, first, first[0], 1), submap_of(scene, second, second[0], 2), first[0].inverse() * second[0]};
 }
 
-SlideContrast contrast_along(const SubmapPair& pair, const Pose3& T_target_source, const Eigen::Vector3d& axis) {
-  const NearestVoxelSearch source(pair.source.map, VoxelPosition::kCentroid, 1.0);
-  const NearestVoxelSearch target(pair.target.map, VoxelPosition::kCentroid, 1.0);
+SlideContrast contrast_along(const SubmapPair& pair, const Pose3& T_target_source, const Eigen::Vector3d& axis,
+                             double reach_m = 1.0) {
+  const NearestVoxelSearch source(pair.source.map, VoxelPosition::kCentroid, reach_m);
+  const NearestVoxelSearch target(pair.target.map, VoxelPosition::kCentroid, reach_m);
   PlanePair both{source, target};
   Vector6 motion = Vector6::Zero();
   motion.head<3>() = axis;
@@ -77,6 +78,11 @@ TEST(SlideContrast, SwappingTheRolesChangesLittle) {
   // The vertical is the same in both frames.
   const double backward = contrast_along(swapped, swapped.T_target_source, Eigen::Vector3d::UnitZ()).contrast;
   EXPECT_NEAR(backward / forward, 1.0, 0.1);
+}
+
+TEST(SlideContrast, KeepsWithinAShortReach) {
+  const SubmapPair pair = pair_in(testing::bare_corridor());
+  EXPECT_TRUE(contrast_along(pair, pair.T_target_source, Eigen::Vector3d::UnitZ(), 0.2).fixed());
 }
 
 TEST(SlideContrast, BlurFallsWithTheContrast) {
