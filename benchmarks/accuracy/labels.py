@@ -264,3 +264,8 @@ def load(mission_dir, result, poses=None):
 
 def read_result(folder):
     return json.loads((pathlib.Path(folder) / "result.json").read_text(encoding="utf-8"))
+
+
+def by_free_space(pair):
+    """Whether a pair of result.json was judged by free space alone: no registration of it is believed."""
+    return pair["evidence"].get("conflict", {}).get("log_ratio") is not None

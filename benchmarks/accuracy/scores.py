@@ -68,7 +68,7 @@ def calibration(p, above, bins=10):
     p, above = np.asarray(p, float), np.asarray(above, float)
     at = np.minimum((p * bins).astype(int), bins - 1)
     rows = [(p[at == k].mean(), above[at == k].mean(), int((at == k).sum())) for k in range(bins) if (at == k).any()]
-    return sum(n * abs(mean - share) for mean, share, n in rows) / len(p), rows
+    return weighted_calibration(p, above, np.ones(len(p)), bins), rows
 
 
 def discoveries(p_values, alpha=0.01):

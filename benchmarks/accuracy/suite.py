@@ -128,8 +128,7 @@ def said_of(pair):
             "offset_m": pair["offset_m"], "interval_m": pair["offset_interval_m"],
             "gamma_literal": pair["gamma_literal"], "verified": pair["verified"], **evidence,
             "pieces": pair["evidence"],
-            # Free space alone decided: no registration is behind it.
-            "by_conflict": pair["evidence"].get("conflict", {}).get("log_ratio") is not None}
+            "by_free_space": labels.by_free_space(pair)}
 
 
 def rows_of(mission, result, truth, moved):

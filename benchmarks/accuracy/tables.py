@@ -144,7 +144,7 @@ def verdict_table(answers):
         bad = [r for r in rows if r["rms_m"] > BAD_M]
         good = [r for r in rows if r["rms_m"] < GOOD_M]
         errors = np.array([r["error_m"] for r in rows_of(some) if r.get("error_m") is not None
-                           and r["verdict"] != "unverified" and not r["by_conflict"]])
+                           and r["verdict"] != "unverified" and not r["by_free_space"]])
         quantiles = np.percentile(errors, [50, 90]) * 100 if len(errors) else [float("nan")] * 2
         faults = [f for a in some for f in a["faults"]]
         table.append([name, len(bad), share(count(bad, "inconsistent"), len(bad)), share(count(bad, "consistent"), len(bad)),

@@ -19,7 +19,6 @@ constexpr int kMostCuts = 3;          // one after the other: eight parts
 constexpr std::size_t kTimes = 12;    // parts by time
 constexpr double kShrink = 0.6;       // of the kernel, from one step to the next
 constexpr int kLastSteps = 3;         // at the final kernel
-constexpr double kSupportVoxels = 0.25;
 constexpr double kLeastGain = 1.3;  // of the residuals that vanish, among those that a motion changes, for it to count
 constexpr std::size_t kFewestGained = 20;
 // How far the RMS over a dozen parts is from that over all places, as a share of it: one standard deviation, seen where
@@ -119,7 +118,7 @@ PartMotion motion_of(std::span<const PlaneResidual> part, double resolution_m, d
   }
   const Residuals before = moved(part, centre_m, Vector6::Zero(), resolution_m);
   const Residuals after = moved(part, centre_m, motion, resolution_m);
-  const bool counts = makes_vanish(before, after, kSupportVoxels * resolution_m);
+  const bool counts = makes_vanish(before, after, kPlaneSupportVoxels * resolution_m);
   const Residuals& settled = counts ? after : before;
   const NormalEquations equations = build_normal_equations(settled);
   const Matrix6 covariance = patch_covariance(settled, equations, split_observable(equations, settled), kPatch_m,

@@ -11,9 +11,7 @@
 namespace kilter {
 namespace {
 
-// Below kEnoughShare, what residuals within 66 degrees of the motion add.
-constexpr double kFacingCosine = 0.4;
-// Clutter of all directions adds up to 0.25 %.
+// Below kEnoughShare, what residuals that face the motion add. Clutter of all directions adds up to 0.25 %.
 constexpr double kLeastFacing = 0.003;
 // Below this share of the weight a direction is not fixed by anything.
 constexpr double kNothing = 1e-9;
@@ -48,6 +46,13 @@ Matrix6 observable_inverse(const NormalEquations& equations, const ObservableSpl
     inverse += direction * direction.transpose() / (split.shares[k] * equations.weight);
   }
   return inverse;
+}
+
+ObservableSplit nothing_fixed() {
+  ObservableSplit split;
+  split.unobservable = 6;
+  split.directions = Matrix6::Identity();
+  return split;
 }
 
 // Which of the 26 directions of a cell's neighbours a normal is nearest to.
@@ -106,12 +111,8 @@ NormalEquations build_normal_equations(std::span<const PlaneResidual> residuals)
 }
 
 ObservableSplit split_observable(const NormalEquations& equations, std::span<const PlaneResidual> residuals) {
+  if (!(equations.weight > 0.0)) return nothing_fixed();
   ObservableSplit split;
-  if (!(equations.weight > 0.0)) {
-    split.unobservable = 6;
-    split.directions = Matrix6::Identity();
-    return split;
-  }
   const Eigen::SelfAdjointEigenSolver<Matrix6> solver(equations.information / equations.weight);
   split.shares = solver.eigenvalues();
   split.directions = solver.eigenvectors();
@@ -139,12 +140,8 @@ ObservableSplit split_beside(const NormalEquations& equations, std::span<const V
     const Vector6 direction = others * (scale * about_centre);  // what the ones before have not held already
     if (direction.squaredNorm() > 0.0) others -= direction * direction.transpose() / direction.squaredNorm();
   }
+  if (!(equations.weight > 0.0)) return nothing_fixed();
   ObservableSplit split;
-  if (!(equations.weight > 0.0)) {
-    split.unobservable = 6;
-    split.directions = Matrix6::Identity();
-    return split;
-  }
   // What is held has no information left, and comes first.
   const Eigen::SelfAdjointEigenSolver<Matrix6> solver(others * equations.information * others / equations.weight);
   split.shares = solver.eigenvalues();

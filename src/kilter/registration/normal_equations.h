@@ -50,6 +50,10 @@ struct ObservableSplit {
 /// doubt.
 inline constexpr double kEnoughShare = 0.06;
 
+/// Least cosine between a normal and the way that its point would go, for the surface to face the motion: 66 degrees,
+/// three standard deviations of a voxel's normal.
+inline constexpr double kFacingCosine = 0.4;
+
 /// A direction is fixed by surfaces that face its motion, few as they may be: the end wall of a corridor is a hundredth
 /// of what is seen there. What surfaces along the motion add to the information is noise of their normals, so only
 /// residuals whose normal lies within 66 degrees of the way that their point would move are counted (three standard

@@ -30,6 +30,9 @@ struct PlanePair {
 
 inline constexpr std::size_t kAllPoints = 1U << 31;
 
+/// A point this near the plane of an agreeing voxel fits. [voxels]
+inline constexpr double kPlaneSupportVoxels = 0.25;
+
 /// Centroids of about `max_points` voxels of each submap against the planes through the other's, at most `search_m`
 /// away, normals within 53 degrees; both ways, so that it does not matter which of the two is called the source.
 /// Weights are the planes' planarity. Target frame.

@@ -23,7 +23,6 @@ constexpr double kKernelOfSearch = 0.5;     // kernel scale at least this share 
 constexpr double kFinalKernelVoxels = 0.5;  // level, where it is at least this many voxels
 constexpr double kSmallStep_m = 1e-3;
 constexpr double kSmallTurn_rad = 1e-4;
-constexpr double kSupportVoxels = 0.25;    // this near its plane a point supports the pose
 constexpr std::size_t kBendPoints = 8000;  // of each submap
 constexpr std::size_t kFewestResiduals = 40;
 constexpr int kPolishSteps = 3;
@@ -117,7 +116,7 @@ struct Look {
   std::vector<PlaneResidual> residuals;
   NormalEquations equations;
   ObservableSplit split;
-  std::size_t supporting = 0;  // residuals below kSupportVoxels
+  std::size_t supporting = 0;  // residuals below kPlaneSupportVoxels
 };
 
 Look look_at(PlanePair& pair, const Pose3& T_target_source, const RegistrationOptions& options,
@@ -125,7 +124,7 @@ Look look_at(PlanePair& pair, const Pose3& T_target_source, const RegistrationOp
   const double resolution_m = pair.target_map().resolution_m();
   Look look;
   look.residuals = match_planes(pair, T_target_source, final_search_m(pair.target_map(), options), kAllPoints);
-  look.supporting = count_below(look.residuals, kSupportVoxels * resolution_m);
+  look.supporting = count_below(look.residuals, kPlaneSupportVoxels * resolution_m);
   if (look.residuals.empty()) return look;
   apply_kernel(look.residuals, kFinalKernelVoxels * resolution_m);
   look.equations = build_normal_equations(look.residuals);
@@ -208,7 +207,7 @@ RegistrationResult finish(PlanePair& pair, const Pose3& start, Descent descent, 
   result.matches = look.residuals.size() / 2;
   result.support_end = look.supporting;
   result.support_start = count_below(match_planes(pair, start, final_search_m(pair.target_map(), options), kAllPoints),
-                                     kSupportVoxels * resolution_m);
+                                     kPlaneSupportVoxels * resolution_m);
   if (look.residuals.empty() || result.support_end < 2 * static_cast<std::size_t>(options.min_matches)) {
     result.stop = StopReason::kTooFewMatches;
     return result;
@@ -235,8 +234,9 @@ Optimum judged(PlanePair& pair, const Descent& descent, const RegistrationOption
   const double resolution_m = pair.target_map().resolution_m();
   const std::size_t larger = std::max(pair.source_map().voxels().size(), pair.target_map().voxels().size());
   const std::size_t stride = std::max<std::size_t>(1, larger / kJudgedVoxels);
-  const std::size_t support = count_below(
-      match_every(pair, descent.T, final_search_m(pair.target_map(), options), stride), kSupportVoxels * resolution_m);
+  const std::size_t support =
+      count_below(match_every(pair, descent.T, final_search_m(pair.target_map(), options), stride),
+                  kPlaneSupportVoxels * resolution_m);
   const ConflictSample conflict =
       measure_conflict(pair.source, pair.target, descent.T, kConflictMarginVoxels * resolution_m, stride);
   const std::size_t conflicting = conflict.source_in_target.conflicting + conflict.target_in_source.conflicting;

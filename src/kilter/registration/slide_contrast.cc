@@ -10,11 +10,9 @@
 namespace kilter {
 namespace {
 
-constexpr double kFacingCosine = 0.4;
 constexpr std::array kSlides = {10.0, 7.5, 5.0, 3.0, 2.0};  // voxels
 constexpr double kWidest = 5.0;                             // of these, that a peak may be
 constexpr double kSearchVoxels = 4.0;
-constexpr double kFitVoxels = 0.25;
 constexpr double kFewestFitting = 20.0;
 constexpr double kMostScaled = 2.0;
 constexpr std::size_t kMostPoints = 6000;  // of each submap
@@ -68,7 +66,7 @@ Fit fit_of(const FacingPoints& points, const NearestVoxelSearch& onto, NearestVo
     if (!normals_agree(T.linear() * points.map.voxels().normals[i].cast<double>(), normal, oriented)) continue;
     const double residual_m = normal.dot(point_m - planes.centroids_m[nearest->voxel].cast<double>());
     fit.met += 1.0;
-    fit.fitting += std::abs(residual_m) < kFitVoxels * resolution_m ? 1.0 : 0.0;
+    fit.fitting += std::abs(residual_m) < kPlaneSupportVoxels * resolution_m ? 1.0 : 0.0;
   }
   return fit;
 }

@@ -119,6 +119,12 @@ void note_support(const RegistrationResult& registration, const Agreement& agree
   if (registration.ambiguity) verdict.evidence["ambiguity"].value = *registration.ambiguity;
 }
 
+void set_posterior(double log_ratio, const JudgeOptions& options, PairVerdict& verdict) {
+  const double prior = std::log(options.prior_inconsistent / (1.0 - options.prior_inconsistent));
+  verdict.log_odds = std::clamp(log_ratio + prior, -kMaxLogOdds, kMaxLogOdds);
+  verdict.p_inconsistent = 1.0 / (1.0 + std::exp(-*verdict.log_odds));
+}
+
 void note_offset(const OffsetEstimate& offset, const Bend& bend, const JudgeOptions& options, PairVerdict& verdict) {
   verdict.offset_m = offset.offset_m;
   verdict.offset_rad = offset.offset_rad;
@@ -136,9 +142,7 @@ void note_offset(const OffsetEstimate& offset, const Bend& bend, const JudgeOpti
   verdict.evidence["disagreement"] = {apart_m, options.tolerance_m, log_ratio};
   verdict.disagreement_m = apart_m;
   verdict.disagreement_most_m = std::max(offset_quantile_m(disagreement_law(offset.measured, bend), 0.025), apart_m);
-  const double prior = std::log(options.prior_inconsistent / (1.0 - options.prior_inconsistent));
-  verdict.log_odds = std::clamp(log_ratio + prior, -kMaxLogOdds, kMaxLogOdds);
-  verdict.p_inconsistent = 1.0 / (1.0 + std::exp(-*verdict.log_odds));
+  set_posterior(log_ratio, options, verdict);
   // Standard deviation of the root of a sum of squares.
   const double along_m4 = std::pow(offset.offset_m * offset.sigma_m, 2) + 0.25 * bend.variance_m4 +
                           std::pow(kPlacesScatter * apart_m * apart_m, 2);
@@ -216,14 +220,12 @@ void let_free_space_speak(const PairEvidence& pair, const MapNull& null, const J
   const double log_ratio = std::min(log_normal_tail(-z) - log_normal_tail(z), kMaxLogOdds);
   verdict.evidence["conflict"].log_ratio = log_ratio;
   verdict.p_value = p_value;
-  verdict.log_odds = log_ratio + std::log(options.prior_inconsistent / (1.0 - options.prior_inconsistent));
-  verdict.p_inconsistent = 1.0 / (1.0 + std::exp(-*verdict.log_odds));
+  set_posterior(log_ratio, options, verdict);
   verdict.rigid = false;
   verdict.disagreement_most_m.reset();
   verdict.conflict_reason = fmt::format(
       "{:.0f} % of what both saw conflicts as the map has it (typical of this map: {:.0f} %), and no rigid motion that "
-      "can "
-      "be believed mends it: the places differ, or a submap is bent ({})",
+      "can be believed mends it: the places differ, or a submap is bent ({})",
       100.0 * pair.map.conflict.share(), 100.0 * null.conflict, verdict.reason);
 }
 
