@@ -59,7 +59,7 @@ Method kilter_method(const Side& source, const Side& target) {
   return {"kilter",
           [&source, &target, state](const std::vector<Pose3>& poses, std::vector<float>& distances_m, bool build) {
             if (build || !*state) *state = std::make_unique<State>(target);
-            std::vector<std::uint32_t> last(source.points_m.size(), NearestVoxelCursor::kNoVoxel);
+            std::vector<std::uint32_t> last(source.points_m.size(), kilter::kNoVoxel);
             for (const Pose3& pose : poses) {
               const Eigen::Isometry3d T = pose.isometry();
               for (std::size_t i = 0; i < source.points_m.size(); ++i) {

@@ -63,6 +63,14 @@ std::optional<NearestVoxel> NearestVoxelSearch::nearest(const Eigen::Vector3d& p
   return NearestVoxelCursor(*this).nearest(point_m, limit_m);
 }
 
+const NearestVoxelField* NearestVoxelSearch::field() const {
+  std::call_once(field_->asked, [&] {
+    if (!NearestVoxelField::fits(*map_, max_distance_m_)) return;
+    field_->field = std::make_unique<const NearestVoxelField>(*map_, max_distance_m_);
+  });
+  return field_->field.get();
+}
+
 NearestVoxelCursor::NearestVoxelCursor(const NearestVoxelSearch& search) : search_(&search), table_(64, 0) {}
 
 NearestVoxelCursor::Home& NearestVoxelCursor::home_at(const Eigen::Vector3i& block) {
@@ -159,6 +167,25 @@ std::optional<NearestVoxel> NearestVoxelCursor::nearest(const Eigen::Vector3d& p
   const double distance_m = (voxel_position_m(map, best.index, search_->position_) - point_m).norm();
   if (distance_m > limit_m) return std::nullopt;
   return NearestVoxel{best.index, distance_m};
+}
+
+RepeatedSearch::RepeatedSearch(const NearestVoxelSearch& search, std::size_t points)
+    : search_(&search), field_(search.field()), cursor_(search) {
+  if (exact()) last_.assign(points, kNoVoxel);
+}
+
+std::optional<NearestVoxel> RepeatedSearch::near(std::size_t i, const Eigen::Vector3d& point_m, double limit_m) {
+  if (exact()) {
+    const std::optional<NearestVoxel> nearest = cursor_.nearest(point_m, limit_m, last_[i]);
+    if (nearest) last_[i] = nearest->voxel;
+    return nearest;
+  }
+  KILTER_EXPECTS(limit_m <= search_->max_distance_m() * (1.0 + 1e-12));
+  const std::uint32_t voxel = field_->near(point_m);
+  if (voxel == kNoVoxel) return std::nullopt;
+  const double distance_m = (voxel_position_m(search_->map(), voxel, search_->position()) - point_m).norm();
+  if (distance_m > limit_m) return std::nullopt;
+  return NearestVoxel{voxel, distance_m};
 }
 
 }  // namespace kilter

@@ -5,10 +5,12 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
-#include <limits>
+#include <memory>
+#include <mutex>
 #include <optional>
 #include <vector>
 
+#include "kilter/matching/nearest_voxel_field.h"
 #include "kilter/matching/scan_points.h"
 #include "kilter/occupancy/voxel_map.h"
 
@@ -43,12 +45,20 @@ class NearestVoxelSearch {
   /// The closest occupied voxel no farther than `limit_m` (<= max_distance_m) from a point in the map's frame.
   [[nodiscard]] std::optional<NearestVoxel> nearest(const Eigen::Vector3d& point_m, double limit_m) const;
 
+  /// The field of the same map and reach, for those who look often and can do with what it says; made when first asked
+  /// for, from any thread. Null where it would be too large (NearestVoxelField::fits).
+  [[nodiscard]] const NearestVoxelField* field() const;
+
   [[nodiscard]] const VoxelMap& map() const { return *map_; }
   [[nodiscard]] VoxelPosition position() const { return position_; }
   [[nodiscard]] double max_distance_m() const { return max_distance_m_; }
 
  private:
   friend class NearestVoxelCursor;
+  struct LazyField {
+    std::once_flag asked;
+    std::unique_ptr<const NearestVoxelField> field;
+  };
   struct BlockOffset {
     Eigen::Vector3i offset;
     double least_m2;  // no point of the query's block is nearer to that block
@@ -67,6 +77,7 @@ class NearestVoxelSearch {
   PackedPoints points_;  // positions in voxel order
   ScanPoints scan_;
   std::vector<BlockOffset> offsets_;  // sorted by least distance
+  std::unique_ptr<LazyField> field_ = std::make_unique<LazyField>();
 };
 
 /// The same search for many points: remembers which of the blocks around a point's block hold surfaces, so that points
@@ -76,9 +87,6 @@ class NearestVoxelCursor {
  public:
   /// The search must outlive it.
   explicit NearestVoxelCursor(const NearestVoxelSearch& search);
-
-  /// No hint.
-  static constexpr std::uint32_t kNoVoxel = std::numeric_limits<std::uint32_t>::max();
 
   /// \sa NearestVoxelSearch::nearest
   /// \param hint  a voxel that may be near, say what the point had under the last pose. It changes the time, never the
@@ -111,6 +119,28 @@ class NearestVoxelCursor {
   std::vector<Home> homes_;
   std::vector<std::uint32_t> table_;  // open addressing: home number + 1, 0 = empty
   std::uint32_t last_ = 0;            // home number + 1 of the last point
+};
+
+/// Voxels near the points of one submap under many poses, for registration: by the field's one look-up where the map
+/// allows one, by the exact search where not. One for each thread and pair.
+class RepeatedSearch {
+ public:
+  /// \param points  how many points will ask. The search must outlive it.
+  RepeatedSearch(const NearestVoxelSearch& search, std::size_t points);
+
+  /// A voxel no farther than `limit_m` (<= the search's max_distance_m) from point number i, which now is at point_m in
+  /// the map's frame: the nearest one, or by the field one that is not much farther.
+  [[nodiscard]] std::optional<NearestVoxel> near(std::size_t i, const Eigen::Vector3d& point_m, double limit_m);
+
+  /// Whether answers are those of NearestVoxelSearch::nearest.
+  [[nodiscard]] bool exact() const { return field_ == nullptr; }
+  [[nodiscard]] const NearestVoxelSearch& search() const { return *search_; }
+
+ private:
+  const NearestVoxelSearch* search_;
+  const NearestVoxelField* field_;
+  NearestVoxelCursor cursor_;
+  std::vector<std::uint32_t> last_;  // what each point had near it the last time; for the exact search only
 };
 
 }  // namespace kilter

@@ -89,5 +89,46 @@ TEST(NearestVoxelSearch, EmptyMapHasNoNearest) {
   EXPECT_FALSE(NearestVoxelSearch(map, VoxelPosition::kCentre, 1.0).nearest({0, 0, 0}, 1.0).has_value());
 }
 
+TEST(RepeatedSearch, TakesTheFieldsWordWithinTheLimit) {
+  const VoxelMap map = random_map(0.1, 3000, 4.0);
+  const NearestVoxelSearch search(map, VoxelPosition::kCentroid, 1.0);
+  RepeatedSearch repeated(search, 1);
+  ASSERT_FALSE(repeated.exact());
+  Rng rng(5, 2);
+  int found = 0;
+  for (int k = 0; k < 2000; ++k) {
+    const Eigen::Vector3d at(rng.uniform(-5, 5), rng.uniform(-5, 5), rng.uniform(-2, 2));
+    const double limit_m = rng.uniform(0.05, 1.0);
+    const std::uint32_t voxel = search.field()->near(at);
+    const auto near = repeated.near(0, at, limit_m);
+    const bool within =
+        voxel != kNoVoxel && (voxel_position_m(map, voxel, VoxelPosition::kCentroid) - at).norm() <= limit_m;
+    ASSERT_EQ(near.has_value(), within);
+    if (!near) continue;
+    ++found;
+    EXPECT_EQ(near->voxel, voxel);
+    EXPECT_EQ(near->distance_m, (voxel_position_m(map, voxel, VoxelPosition::kCentroid) - at).norm());
+  }
+  EXPECT_GT(found, 300);
+}
+
+TEST(RepeatedSearch, IsExactWhereTheFieldWouldBeTooLarge) {
+  const VoxelMap map = random_map(0.1, 800, 4.0);
+  const NearestVoxelSearch search(map, VoxelPosition::kCentroid, 5.0);
+  RepeatedSearch repeated(search, 10);
+  ASSERT_TRUE(repeated.exact());
+  EXPECT_EQ(search.field(), nullptr);
+  Rng rng(5, 2);
+  for (std::size_t k = 0; k < 500; ++k) {
+    const Eigen::Vector3d at(rng.uniform(-8, 8), rng.uniform(-8, 8), rng.uniform(-2, 2));
+    const auto nearest = search.nearest(at, 5.0);
+    const auto near = repeated.near(k % 10, at, 5.0);
+    ASSERT_EQ(near.has_value(), nearest.has_value());
+    if (near) {
+      EXPECT_EQ(near->voxel, nearest->voxel);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace kilter

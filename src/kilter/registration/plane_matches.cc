@@ -13,17 +13,17 @@ namespace {
 constexpr double kLeastAgreement = 0.6;  // cosine between normals of matched voxels
 
 // Points of `from` against the planes of `onto`, in the frame of `onto`.
-void match_one_way(const VoxelMap& from, const VoxelMap& onto, NearestVoxelCursor& in_onto, const Pose3& T_onto_from,
-                   double search_m, std::size_t stride, LastNearest& last, std::vector<PlaneResidual>& residuals) {
+void match_one_way(const VoxelMap& from, RepeatedSearch& in_onto, const Pose3& T_onto_from, double search_m,
+                   std::size_t stride, std::vector<PlaneResidual>& residuals) {
+  const VoxelMap& onto = in_onto.search().map();
   const SurfaceVoxels& points = from.voxels();
   const SurfaceVoxels& planes = onto.voxels();
   const bool oriented = from.has_free_space() && onto.has_free_space();
   const Eigen::Isometry3d T = T_onto_from.isometry();
   for (std::size_t i = 0; i < points.size(); i += stride) {
     const Eigen::Vector3d point_m = T * points.centroids_m[i].cast<double>();
-    const std::optional<NearestVoxel> nearest = in_onto.nearest(point_m, search_m, last[i]);
+    const std::optional<NearestVoxel> nearest = in_onto.near(i, point_m, search_m);
     if (!nearest) continue;
-    last[i] = nearest->voxel;
     const Eigen::Vector3d normal = planes.normals[nearest->voxel].cast<double>();
     if (normal.isZero()) continue;
     if (!normals_agree(T.linear() * points.normals[i].cast<double>(), normal, oriented)) continue;
@@ -43,11 +43,9 @@ struct Strides {
 std::vector<PlaneResidual> match_both_ways(PlanePair& pair, const Pose3& T_target_source, double search_m,
                                            const Strides& strides) {
   std::vector<PlaneResidual> residuals;
-  match_one_way(pair.source_map(), pair.target_map(), pair.in_target, T_target_source, search_m, strides.source,
-                pair.of_source, residuals);
+  match_one_way(pair.source_map(), pair.in_target, T_target_source, search_m, strides.source, residuals);
   const std::size_t forward = residuals.size();
-  match_one_way(pair.target_map(), pair.source_map(), pair.in_source, T_target_source.inverse(), search_m,
-                strides.target, pair.of_target, residuals);
+  match_one_way(pair.target_map(), pair.in_source, T_target_source.inverse(), search_m, strides.target, residuals);
   const Eigen::Isometry3d T = T_target_source.isometry();
   for (std::size_t i = forward; i < residuals.size(); ++i) {
     residuals[i].point_m = T * residuals[i].point_m;

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 #include <vector>
 
 #include "kilter/matching/nearest_voxel.h"
@@ -11,18 +10,12 @@
 
 namespace kilter {
 
-/// The voxel that each point of one submap had nearest, the last time that it was asked for.
-using LastNearest = std::vector<std::uint32_t>;
-
-/// Two submaps under many poses: what one look found out about the blocks of a submap, and which voxels were near,
-/// serves the next.
+/// Two submaps under many poses: what one look found out serves the next.
 struct PlanePair {
   const NearestVoxelSearch& source;
   const NearestVoxelSearch& target;
-  NearestVoxelCursor in_source{source};
-  NearestVoxelCursor in_target{target};
-  LastNearest of_source{LastNearest(source.map().voxels().size(), NearestVoxelCursor::kNoVoxel)};
-  LastNearest of_target{LastNearest(target.map().voxels().size(), NearestVoxelCursor::kNoVoxel)};
+  RepeatedSearch in_source{source, target.map().voxels().size()};
+  RepeatedSearch in_target{target, source.map().voxels().size()};
 
   [[nodiscard]] const VoxelMap& source_map() const { return source.map(); }
   [[nodiscard]] const VoxelMap& target_map() const { return target.map(); }
@@ -33,9 +26,9 @@ inline constexpr std::size_t kAllPoints = 1U << 31;
 /// A point this near the plane of an agreeing voxel fits. [voxels]
 inline constexpr double kPlaneSupportVoxels = 0.25;
 
-/// Centroids of about `max_points` voxels of each submap against the planes through the other's, at most `search_m`
-/// away, normals within 53 degrees; both ways, so that it does not matter which of the two is called the source.
-/// Weights are the planes' planarity. Target frame.
+/// Centroids of about `max_points` voxels of each submap against the planes through the other's near them (the nearest,
+/// or what RepeatedSearch takes for it), at most `search_m` away, normals within 53 degrees; both ways, so that it does
+/// not matter which of the two is called the source. Weights are the planes' planarity. Target frame.
 [[nodiscard]] std::vector<PlaneResidual> match_planes(PlanePair& pair, const Pose3& T_target_source, double search_m,
                                                       std::size_t max_points);
 

@@ -49,8 +49,8 @@ struct Fit {
   double met = 0.0;  // points with a plane near them that faces the same way
 };
 
-Fit fit_of(const FacingPoints& points, const NearestVoxelSearch& onto, NearestVoxelCursor& in_onto,
-           const Pose3& T_onto_points) {
+Fit fit_of(const FacingPoints& points, RepeatedSearch& in_onto, const Pose3& T_onto_points) {
+  const NearestVoxelSearch& onto = in_onto.search();
   const double resolution_m = onto.map().resolution_m();
   const double search_m = std::min(kSearchVoxels * resolution_m, onto.max_distance_m());
   const SurfaceVoxels& planes = onto.map().voxels();
@@ -59,7 +59,7 @@ Fit fit_of(const FacingPoints& points, const NearestVoxelSearch& onto, NearestVo
   Fit fit;
   for (const std::uint32_t i : points.voxels) {
     const Eigen::Vector3d point_m = T * points.map.voxels().centroids_m[i].cast<double>();
-    const auto nearest = in_onto.nearest(point_m, search_m);
+    const auto nearest = in_onto.near(i, point_m, search_m);
     if (!nearest) continue;
     const Eigen::Vector3d normal = planes.normals[nearest->voxel].cast<double>();
     if (normal.isZero()) continue;
@@ -80,8 +80,8 @@ SlideContrast slide_contrast(PlanePair& pair, const Pose3& T_target_source, cons
     Vector6 turn = Vector6::Zero();
     turn.tail<3>() = slide_m * motion.tail<3>();
     const Pose3 T = Pose3(Pose3::exp(turn).rotation(), slide_m * motion.head<3>()) * T_target_source;
-    const Fit forward = fit_of(of_source, pair.target, pair.in_target, T);
-    const Fit backward = fit_of(of_target, pair.source, pair.in_source, T.inverse());
+    const Fit forward = fit_of(of_source, pair.in_target, T);
+    const Fit backward = fit_of(of_target, pair.in_source, T.inverse());
     return Fit{forward.fitting + backward.fitting, forward.met + backward.met};
   };
   const Fit here = fitting_after(0.0);

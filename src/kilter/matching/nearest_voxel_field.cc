@@ -1,0 +1,248 @@
+// SPDX-FileCopyrightText: The kilter authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "kilter/matching/nearest_voxel_field.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <new>
+#include <numbers>
+
+#include "kilter/base/contract.h"
+
+namespace kilter {
+namespace {
+
+constexpr int kMostReach = 24;
+constexpr double kMostBlocks = 1 << 22;
+constexpr int kMostWidth = kBlockSize + 2 * kMostReach;  // of the window of cells that a block's answers lie in
+constexpr int kMostRing = (kMostReach + kBlockSize - 1) / kBlockSize;
+constexpr int kMostAround = 2 * kMostRing + 1;
+
+// A voxel of the window and how far it is: the square above, then z, y and x. The least one is the answer.
+constexpr int kAxisBits = 6;
+constexpr int kSquareShift = 3 * kAxisBits;
+constexpr std::int32_t kAxisMask = (1 << kAxisBits) - 1;
+constexpr std::int32_t kFar = 1 << 30;  // no sum of squares lifts it over the sign or brings it within reach
+static_assert(kMostWidth <= 1 << kAxisBits);
+static_assert(2 * kMostReach * kMostReach < (1 << (30 - kSquareShift)));
+
+using Row = std::int32_t __attribute__((vector_size(kBlockSize * sizeof(std::int32_t))));  // the cells of one y and z
+
+// The cells of a point's and of its voxel's centre may be this much farther apart than the two.
+int reach_in_cells(double reach_m, double resolution_m) {
+  return static_cast<int>(std::ceil(reach_m / resolution_m + std::numbers::sqrt3));
+}
+
+// Blocks of the lattice that hold cells within reach of an occupied voxel, at least.
+struct BlockBox {
+  Eigen::Vector3i low;
+  Eigen::Vector3i size;
+};
+BlockBox blocks_within(const VoxelMap& map, int reach) {
+  const double resolution_m = map.resolution_m();
+  const Eigen::Vector3i first = (map.bounds_m().min() / resolution_m).array().round().matrix().cast<int>();
+  const Eigen::Vector3i end = (map.bounds_m().max() / resolution_m).array().round().matrix().cast<int>();
+  const Eigen::Vector3i low = block_of(first - Eigen::Vector3i::Constant(reach));
+  const Eigen::Vector3i high = block_of(end + Eigen::Vector3i::Constant(reach - 1));
+  return {low, high - low + Eigen::Vector3i::Ones()};
+}
+
+// The occupied cells around a block.
+struct Window {
+  int reach = 0;
+  int ring = 0;  // blocks on each side
+  // By their places around the middle one, x fastest; null where nothing is occupied.
+  std::array<const VoxelBlock*, kMostAround * kMostAround * kMostAround> blocks{};
+  // A bit for each cell, a word for each row of them; cell (reach, reach, reach) is the block's first.
+  std::array<std::array<std::uint64_t, kMostWidth>, kMostWidth> rows{};
+
+  [[nodiscard]] int width() const { return kBlockSize + 2 * reach; }
+  [[nodiscard]] int around() const { return 2 * ring + 1; }
+};
+
+void add_block(const VoxelBlock& block, const Eigen::Vector3i& offset, Window& window) {
+  const Eigen::Vector3i first = offset * kBlockSize + Eigen::Vector3i::Constant(window.reach);
+  const int width = window.width();
+  const std::uint64_t inside = width == 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << width) - 1;
+  for (int z = std::max(0, -first.z()); z < std::min(kBlockSize, width - first.z()); ++z) {
+    const std::uint64_t layer = block.occupied[static_cast<std::size_t>(z)];
+    if (layer == 0) continue;
+    auto& rows = window.rows[static_cast<std::size_t>(first.z() + z)];
+    for (int y = std::max(0, -first.y()); y < std::min(kBlockSize, width - first.y()); ++y) {
+      const std::uint64_t bits = layer >> (8 * y) & 0xFF;
+      const std::uint64_t moved = first.x() >= 0 ? bits << first.x() : bits >> -first.x();
+      rows[static_cast<std::size_t>(first.y() + y)] |= moved & inside;
+    }
+  }
+}
+
+// \return whether anything is occupied there.
+bool fill(const VoxelMap& map, const Eigen::Vector3i& block, Window& window) {
+  bool any = false;
+  std::size_t number = 0;
+  for (int z = -window.ring; z <= window.ring; ++z) {
+    for (int y = -window.ring; y <= window.ring; ++y) {
+      for (int x = -window.ring; x <= window.ring; ++x, ++number) {
+        const std::int32_t found = map.find_block(block + Eigen::Vector3i(x, y, z));
+        if (found == BlockIndex::kNone) continue;
+        const VoxelBlock& around = map.blocks()[static_cast<std::size_t>(found)];
+        if (around.voxel_count == 0) continue;
+        window.blocks[number] = &around;
+        add_block(around, {x, y, z}, window);
+        any = true;
+      }
+    }
+  }
+  return any;
+}
+
+// The nearest occupied cell of one row for each cell of the block's eight columns; the left one of two.
+[[gnu::always_inline]] inline void nearest_in_row(std::uint64_t bits, int reach, Row& row) {
+  std::array<std::int32_t, kBlockSize> keys;
+  constexpr int kNowhere = 1 << 10;
+  const std::uint64_t below = bits & ((std::uint64_t{2} << reach) - 1);
+  int left = below == 0 ? -kNowhere : 63 - std::countl_zero(below);
+  for (int x = 0; x < kBlockSize; ++x) {
+    const int at = reach + x;
+    if ((bits >> at & 1) != 0) left = at;
+    const std::uint64_t above = bits >> at;
+    const int right = above == 0 ? kNowhere : at + std::countr_zero(above);
+    const int nearest = at - left <= right - at ? left : right;
+    const int off = nearest - at;
+    keys[static_cast<std::size_t>(x)] = off > reach || off < -reach ? kFar : off * off << kSquareShift | nearest;
+  }
+  std::memcpy(&row, keys.data(), sizeof(row));
+}
+
+using Layer = std::array<Row, kBlockSize>;  // the cells of one z
+using Keys = std::array<Layer, kBlockSize>;
+
+// A separable transform: along x, then y, then z. Integers, so that every processor finds the same.
+[[gnu::always_inline]] inline void transform(const Window& window, Keys& keys) {
+  const int reach = window.reach;
+  for (Layer& layer : keys) layer.fill(Row{} + kFar);
+  for (int z = 0; z < window.width(); ++z) {
+    Layer layer;
+    layer.fill(Row{} + kFar);
+    bool any = false;
+    for (int y = 0; y < window.width(); ++y) {
+      const std::uint64_t bits = window.rows[static_cast<std::size_t>(z)][static_cast<std::size_t>(y)];
+      if (bits == 0) continue;
+      any = true;
+      Row in_row;
+      nearest_in_row(bits, reach, in_row);
+      for (int to = std::max(0, y - 2 * reach); to < std::min(kBlockSize, y + 1); ++to) {
+        const int off = y - reach - to;
+        const Row lifted = in_row + (off * off << kSquareShift | y << kAxisBits);
+        Row& least = layer[static_cast<std::size_t>(to)];
+        least = lifted < least ? lifted : least;
+      }
+    }
+    if (!any) continue;
+    for (int to = std::max(0, z - 2 * reach); to < std::min(kBlockSize, z + 1); ++to) {
+      const int off = z - reach - to;
+      const std::int32_t lift = off * off << kSquareShift | z << (2 * kAxisBits);
+      Layer& least = keys[static_cast<std::size_t>(to)];
+      for (std::size_t y = 0; y < kBlockSize; ++y) {
+        const Row lifted = layer[y] + lift;
+        least[y] = lifted < least[y] ? lifted : least[y];
+      }
+    }
+  }
+}
+
+// The voxel that a key names, or kNoVoxel.
+[[gnu::always_inline]] inline std::uint32_t voxel_of_key(const Window& window, std::int32_t key) {
+  if (key >> kSquareShift > window.reach * window.reach) return kNoVoxel;
+  // From the first cell of the first block around.
+  const int shift = window.ring * kBlockSize - window.reach;
+  const int x = (key & kAxisMask) + shift;
+  const int y = (key >> kAxisBits & kAxisMask) + shift;
+  const int z = (key >> (2 * kAxisBits) & kAxisMask) + shift;
+  const int around = window.around();
+  const int number = ((z >> kBlockShift) * around + (y >> kBlockShift)) * around + (x >> kBlockShift);
+  const VoxelBlock& block = *window.blocks[static_cast<std::size_t>(number)];
+  return block.first_voxel + rank_in_block(block, bit_of({x, y, z}));
+}
+
+[[gnu::always_inline]] inline void compute(const Window& window, std::array<std::uint32_t, kBlockVoxels>& voxels) {
+  Keys keys;
+  transform(window, keys);
+  std::array<std::int32_t, kBlockVoxels> flat;
+  std::memcpy(flat.data(), keys.data(), sizeof(flat));
+  for (std::size_t i = 0; i < kBlockVoxels; ++i) voxels[i] = voxel_of_key(window, flat[i]);
+}
+
+void compute_baseline(const Window& window, std::array<std::uint32_t, kBlockVoxels>& voxels) {
+  compute(window, voxels);
+}
+
+#if defined(__x86_64__)
+[[gnu::target("avx2,popcnt,lzcnt,bmi")]] void compute_avx2(const Window& window,
+                                                           std::array<std::uint32_t, kBlockVoxels>& voxels) {
+  compute(window, voxels);
+}
+#endif
+
+}  // namespace
+
+bool NearestVoxelField::fits(const VoxelMap& map, double reach_m) {
+  const int reach = reach_in_cells(reach_m, map.resolution_m());
+  return reach <= kMostReach &&
+         (map.bounds_m().isEmpty() || blocks_within(map, reach).size.cast<double>().prod() <= kMostBlocks);
+}
+
+NearestVoxelField::NearestVoxelField(const VoxelMap& map, double reach_m, VectorPath path)
+    : map_(&map), reach_(reach_in_cells(reach_m, map.resolution_m())), path_(path) {
+  KILTER_EXPECTS(fits(map, reach_m));
+  if (map.bounds_m().isEmpty()) return;
+  const BlockBox box = blocks_within(map, reach_);
+  low_ = box.low;
+  size_ = box.size;
+  table_.reset(static_cast<const Block**>(
+      std::calloc(static_cast<std::size_t>(size_.cast<double>().prod()), sizeof(const Block*))));
+  if (table_ == nullptr) throw std::bad_alloc();
+}
+
+const NearestVoxelField::Block& NearestVoxelField::build(const Eigen::Vector3i& at) const {
+  static const Block kNothingNear = [] {
+    Block block;
+    block.voxels.fill(kNoVoxel);
+    return block;
+  }();
+  Window window;
+  window.reach = reach_;
+  window.ring = (reach_ + kBlockSize - 1) / kBlockSize;
+  std::unique_ptr<Block> built;
+  if (fill(*map_, low_ + at, window)) {
+    built = std::make_unique_for_overwrite<Block>();
+#if defined(__x86_64__)
+    if (path_ != VectorPath::kBaseline) {
+      compute_avx2(window, built->voxels);
+    } else {
+      compute_baseline(window, built->voxels);
+    }
+#else
+    compute_baseline(window, built->voxels);
+#endif
+  }
+  const std::atomic_ref<const Block*> place = slot(at);
+  const std::lock_guard lock(building_);
+  if (const Block* others = place.load(std::memory_order_relaxed); others != nullptr) return *others;
+  const Block* block = &kNothingNear;
+  if (built) {
+    block = built.get();
+    blocks_.push_back(std::move(built));
+  }
+  place.store(block, std::memory_order_release);
+  return *block;
+}
+
+std::size_t NearestVoxelField::bytes() const {
+  const std::lock_guard lock(building_);
+  return blocks_.size() * sizeof(Block);
+}
+
+}  // namespace kilter
