@@ -8,6 +8,7 @@
 #include <limits>
 #include <numeric>
 
+#include "kilter/base/contract.h"
 #include "kilter/occupancy/surface_normals.h"
 
 namespace kilter {
@@ -19,6 +20,11 @@ float log_odds(double probability) { return static_cast<float>(std::log(probabil
 
 bool on_lattice(const Eigen::Vector3d& point_m, double resolution_m) {
   return point_m.allFinite() && point_m.cwiseAbs().maxCoeff() < resolution_m * (kMaxVoxelIndex - 1);
+}
+
+// In the order and precision of OctoMap's Vector3: squares are floats, the root is a double.
+double length_m(const Eigen::Vector3f& v) {
+  return std::sqrt(static_cast<double>(v.x() * v.x() + v.y() * v.y() + v.z() * v.z()));
 }
 
 }  // namespace
@@ -37,15 +43,19 @@ void MapBuilder::insert_scan(std::span<const Eigen::Vector3d> points_m, const Ei
   begin_scan();
   has_free_space_ = true;
   const auto origin = static_cast<std::uint32_t>(origins_m_.size());
-  origins_m_.push_back(origin_m.cast<float>());
+  const Eigen::Vector3f from_m = origin_m.cast<float>();
+  origins_m_.push_back(from_m);
   for (const Eigen::Vector3d& point_m : points_m) {
-    const double range_m = (point_m - origin_m).norm();
-    if (!(range_m >= options_.min_range_m) || range_m == 0.0 || !on_lattice(point_m, options_.resolution_m)) continue;
+    if (!on_lattice(point_m, options_.resolution_m)) continue;
+    const Eigen::Vector3f to_m = point_m.cast<float>();
+    const double range_m = length_m(to_m - from_m);
+    if (!(range_m >= options_.min_range_m) || range_m == 0.0) continue;
     if (range_m <= options_.max_range_m) {
-      mark_hit(point_m, origin);
-      trace(origin_m, point_m);
+      mark_hit(to_m, origin);
+      trace(from_m, to_m);
     } else {
-      trace(origin_m, origin_m + (point_m - origin_m) * (options_.max_range_m / range_m));
+      const Eigen::Vector3f direction = (to_m - from_m) / static_cast<float>(range_m);
+      trace(from_m, from_m + direction * static_cast<float>(options_.max_range_m));
     }
   }
   apply_scan();
@@ -54,7 +64,7 @@ void MapBuilder::insert_scan(std::span<const Eigen::Vector3d> points_m, const Ei
 void MapBuilder::insert_points(std::span<const Eigen::Vector3d> points_m) {
   begin_scan();
   for (const Eigen::Vector3d& point_m : points_m) {
-    if (on_lattice(point_m, options_.resolution_m)) mark_hit(point_m, kNoOrigin);
+    if (on_lattice(point_m, options_.resolution_m)) mark_hit(point_m.cast<float>(), kNoOrigin);
   }
   apply_scan();
 }
@@ -96,38 +106,41 @@ void MapBuilder::grow() {
   }
 }
 
-void MapBuilder::mark_hit(const Eigen::Vector3d& point_m, std::uint32_t origin) {
-  const VoxelIndex voxel = voxel_at(point_m, options_.resolution_m);
+void MapBuilder::mark_hit(const Eigen::Vector3f& point_m, std::uint32_t origin) {
+  const VoxelIndex voxel = voxel_at(point_m.cast<double>(), options_.resolution_m);
   const int bit = bit_of(voxel);
   touch(block_of(voxel)).hit[static_cast<std::size_t>(bit >> 6)] |= std::uint64_t{1} << (bit & 63);
-  hits_.push_back({point_m.cast<float>(), origin});
+  hits_.push_back({point_m, origin});
 }
 
-// Amanatides and Woo's traversal: marks every voxel from `from_m` up to, not including, that of `to_m`.
-void MapBuilder::trace(const Eigen::Vector3d& from_m, const Eigen::Vector3d& to_m) {
+// Amanatides and Woo's traversal as OctoMap's computeRayKeys has it, in the same precision: marks every voxel from
+// `from_m` up to, not including, that of `to_m`. Where rounding leads it past that voxel, the ray's length ends it.
+void MapBuilder::trace(const Eigen::Vector3f& from_m, const Eigen::Vector3f& to_m) {
   const double r = options_.resolution_m;
-  VoxelIndex voxel = voxel_at(from_m, r);
-  const VoxelIndex last = voxel_at(to_m, r);
-  const Eigen::Vector3d direction = to_m - from_m;
+  VoxelIndex voxel = voxel_at(from_m.cast<double>(), r);
+  const VoxelIndex last = voxel_at(to_m.cast<double>(), r);
+  if (voxel == last) return;
+  const auto range_m = static_cast<float>(length_m(to_m - from_m));
+  const Eigen::Vector3f direction = (to_m - from_m) / range_m;
   Eigen::Vector3i step = Eigen::Vector3i::Zero();
-  Eigen::Vector3d next = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity());
-  Eigen::Vector3d delta = next;
+  Eigen::Vector3d next_m = Eigen::Vector3d::Constant(std::numeric_limits<double>::max());
+  Eigen::Vector3d delta_m = next_m;
   for (int axis = 0; axis < 3; ++axis) {
-    if (direction[axis] == 0.0) continue;
-    step[axis] = direction[axis] > 0.0 ? 1 : -1;
-    const double border_m = r * (voxel[axis] + (step[axis] > 0 ? 1 : 0));
-    next[axis] = (border_m - from_m[axis]) / direction[axis];
-    delta[axis] = r / std::abs(direction[axis]);
+    if (direction[axis] == 0.0F) continue;
+    step[axis] = direction[axis] > 0.0F ? 1 : -1;
+    const double border_m = (voxel[axis] + 0.5) * r + static_cast<float>(step[axis] * r * 0.5);
+    next_m[axis] = (border_m - from_m[axis]) / direction[axis];
+    delta_m[axis] = r / std::abs(direction[axis]);
   }
   Eigen::Vector3i at = block_of(voxel);
   Block* block = &touch(at);
-  // The Manhattan distance bounds the number of steps, so rounding can never make the walk run past its end.
-  for (int left = (last - voxel).cwiseAbs().sum(); left > 0; --left) {
+  while (true) {
     const int bit = bit_of(voxel);
     block->miss[static_cast<std::size_t>(bit >> 6)] |= std::uint64_t{1} << (bit & 63);
-    const int axis = next.x() < next.y() ? (next.x() < next.z() ? 0 : 2) : (next.y() < next.z() ? 1 : 2);
+    const int axis = next_m.x() < next_m.y() ? (next_m.x() < next_m.z() ? 0 : 2) : (next_m.y() < next_m.z() ? 1 : 2);
     voxel[axis] += step[axis];
-    next[axis] += delta[axis];
+    next_m[axis] += delta_m[axis];
+    if (voxel == last || next_m.minCoeff() > range_m) return;
     if (voxel[axis] >> kBlockShift != at[axis]) {
       at[axis] = voxel[axis] >> kBlockShift;
       block = &touch(at);
@@ -201,7 +214,7 @@ SurfaceVoxels MapBuilder::summarise_hits(const std::vector<VoxelBlock>& occupied
     const Eigen::Vector3d point_m = hit.point_m.cast<double>();
     const VoxelIndex voxel = voxel_at(point_m, options_.resolution_m);
     const std::int32_t number = index.find(block_of(voxel));
-    if (number == BlockIndex::kNone) continue;  // rounding to float moved it over the border of the known
+    KILTER_EXPECTS(number != BlockIndex::kNone);
     const VoxelBlock& block = occupied[static_cast<std::size_t>(number)];
     const int bit = bit_of(voxel);
     if ((block.occupied[static_cast<std::size_t>(bit >> 6)] >> (bit & 63) & 1) == 0) continue;

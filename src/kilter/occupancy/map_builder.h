@@ -15,12 +15,14 @@
 namespace kilter {
 
 /// Integrates scans into one occupancy map by tracing every ray. In each scan a voxel is updated once: as a hit if any
-/// ray ends in it, else as a miss if any ray passes it (the rule of OctoMap's insertPointCloud). Not thread-safe.
+/// ray ends in it, else as a miss if any ray passes it. The map is that of OctoMap's insertPointCloud to the last bit:
+/// its rounding (points, origins and directions are floats), its traversal, its clamping. Not thread-safe.
 class MapBuilder {
  public:
   explicit MapBuilder(const OccupancyOptions& options);
 
-  /// Adds one scan. Both in the map's frame. [m] O(points * range / resolution).
+  /// Adds one scan. Both in the map's frame, rounded to float. [m] A point at the origin is no return. What lies off the
+  /// lattice is left out. O(points * range / resolution).
   void insert_scan(std::span<const Eigen::Vector3d> points_m, const Eigen::Vector3d& origin_m);
 
   /// Adds points without a sensor origin: one hit for each voxel, nothing becomes free.
@@ -45,8 +47,8 @@ class MapBuilder {
 
   Block& touch(const Eigen::Vector3i& block_at);
   void grow();
-  void mark_hit(const Eigen::Vector3d& point_m, std::uint32_t origin);
-  void trace(const Eigen::Vector3d& from_m, const Eigen::Vector3d& to_m);
+  void mark_hit(const Eigen::Vector3f& point_m, std::uint32_t origin);
+  void trace(const Eigen::Vector3f& from_m, const Eigen::Vector3f& to_m);
   void apply_scan();
   void begin_scan();
   [[nodiscard]] SurfaceVoxels summarise_hits(const std::vector<VoxelBlock>& occupied) const;

@@ -46,8 +46,9 @@ inline constexpr int kMaxVoxelIndex = 1 << 21;
   return block * kBlockSize + Eigen::Vector3i(bit & 7, bit >> 3 & 7, bit >> 6);
 }
 
+/// Multiplies by 1 / r as OctoMap's keys do: dividing by r decides otherwise on some borders.
 [[nodiscard]] inline VoxelIndex voxel_at(const Eigen::Vector3d& point_m, double resolution_m) {
-  return (point_m / resolution_m).array().floor().matrix().cast<int>();
+  return (point_m * (1.0 / resolution_m)).array().floor().matrix().cast<int>();
 }
 
 [[nodiscard]] inline Eigen::Vector3d voxel_centre(const VoxelIndex& voxel, double resolution_m) {
