@@ -233,13 +233,24 @@ bool before(const Move& a, const Move& b) {
   return key(a) < key(b);
 }
 
-// Best first, none beside a better one.
-std::vector<Move> peaks(std::vector<Move> moves, std::size_t keep) {
+// How near another move has to be to be taken for the same, in cells and steps.
+struct Nearness {
+  int cells = 1;
+  int turns = 2;
+};
+
+constexpr Nearness kSamePeak = {1, 2};
+// A descent from either would end in the same optimum: 0.8 m at voxels of 0.1 m.
+constexpr Nearness kSameBasin = {2, 3};
+
+// Best first, none near a better one.
+std::vector<Move> peaks(std::vector<Move> moves, std::size_t keep, const Nearness& nearness) {
   std::sort(moves.begin(), moves.end(), before);
   std::vector<Move> kept;
   for (const Move& move : moves) {
     const bool beside = std::any_of(kept.begin(), kept.end(), [&](const Move& better) {
-      return (move.cells - better.cells).cwiseAbs().maxCoeff() <= 1 && std::abs(move.turn - better.turn) <= 2;
+      return (move.cells - better.cells).cwiseAbs().maxCoeff() <= nearness.cells &&
+             std::abs(move.turn - better.turn) <= nearness.turns;
     });
     if (beside) continue;
     kept.push_back(move);
@@ -262,7 +273,6 @@ std::vector<CoarsePose> coarse_search(const VoxelMap& source, const VoxelMap& ta
 
   const double cell_m = cell_size_m(box, target.resolution_m());
   const Target grid = grid_of(target, R_up_target, box, cell_m);
-  const int reach = static_cast<int>(std::ceil(range.translation_m / cell_m));
   const int rise = static_cast<int>(std::ceil(range.vertical_m / cell_m));
   const double turn_rad = cell_m / std::max(1.5 * sample.radius_m, 4.0 * cell_m);
   const int turns = static_cast<int>(std::ceil(range.rotation_rad / turn_rad));
@@ -271,6 +281,9 @@ std::vector<CoarsePose> coarse_search(const VoxelMap& source, const VoxelMap& ta
   for (int turn = -turns; turn <= turns; ++turn) {
     const std::vector<SamplePoint> points = turned(sample.upright, sample.middle_m, turn * turn_rad);
     const std::vector<Vector3i> cells = cells_of(grid.upright, points);
+    // A turn about the far end of the source moves its middle, too.
+    const double lever_m = 2.0 * std::sin(0.5 * std::abs(turn * turn_rad)) * sample.radius_m;
+    const int reach = static_cast<int>(std::ceil((range.translation_m + lever_m) / cell_m));
     for (int y = -reach; y <= reach; ++y) {
       for (int x = -reach; x <= reach; ++x) {
         if (x * x + y * y > reach * reach) continue;
@@ -279,7 +292,7 @@ std::vector<CoarsePose> coarse_search(const VoxelMap& source, const VoxelMap& ta
     }
   }
   std::vector<Move> closer;
-  for (const Move& move : peaks(std::move(moves), kLookedAtTwice)) {
+  for (const Move& move : peaks(std::move(moves), kLookedAtTwice, kSamePeak)) {
     const std::vector<SamplePoint> upright = turned(sample.upright, sample.middle_m, move.turn * turn_rad);
     const std::vector<SamplePoint> level = turned(sample.level, sample.middle_m, move.turn * turn_rad);
     const std::vector<Vector3i> upright_cells = cells_of(grid.upright, upright);
@@ -292,7 +305,7 @@ std::vector<CoarsePose> coarse_search(const VoxelMap& source, const VoxelMap& ta
     }
   }
   std::vector<CoarsePose> poses;
-  for (const Move& move : peaks(std::move(closer), static_cast<std::size_t>(keep))) {
+  for (const Move& move : peaks(std::move(closer), static_cast<std::size_t>(keep), kSameBasin)) {
     const Eigen::Quaterniond turn_up(Eigen::AngleAxisd(move.turn * turn_rad, Vector3d::UnitZ()));
     const Vector3d shift_m = cell_m * move.cells.cast<double>();
     const Pose3 moved_up(turn_up, sample.middle_m - turn_up * sample.middle_m + shift_m);

@@ -12,9 +12,11 @@ namespace kilter {
 
 /// How far from the start coarse_search looks.
 struct CoarseSearchRange {
-  double translation_m = 1.0;  ///< horizontally, in any direction
-  double vertical_m = 0.5;     ///< up and down
-  double rotation_rad = 0.1;   ///< about the vertical, either way
+  /// Horizontally, in any direction, about the place that both saw, which may lie as far from the source's middle as
+  /// its surfaces do: turns shift the middle by more.
+  double translation_m = 1.0;
+  double vertical_m = 0.5;    ///< up and down
+  double rotation_rad = 0.1;  ///< about the vertical, either way
 };
 
 /// A pose worth a closer look.
@@ -29,8 +31,8 @@ struct CoarsePose {
 ///
 /// \param up_target  the vertical in the target's frame, unit
 /// \param keep       at most this many poses are returned
-/// \return best first, more than a cell or a turn of two steps apart; empty where either map holds no upright surface.
-/// Deterministic. O(shifts * turns * 600) plus the target's box in cells; about 0.1 s for 5 m and 30 degrees.
+/// \return best first, more than two cells or a turn of three steps apart; empty where either map holds no upright
+/// surface. Deterministic. O(shifts * turns * 600) plus the target's box in cells; about 0.1 s for 5 m and 30 degrees.
 [[nodiscard]] std::vector<CoarsePose> coarse_search(const VoxelMap& source, const VoxelMap& target, const Pose3& start,
                                                     const CoarseSearchRange& range, const Eigen::Vector3d& up_target,
                                                     int keep);

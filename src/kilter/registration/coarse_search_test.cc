@@ -37,6 +37,34 @@ TEST(CoarseSearch, OneOfTheBestPosesLiesInTheBasinOfTheTruth) {
   }
 }
 
+// What both saw may lie far from the source's middle: an error about it moves the middle by more than it is itself.
+TEST(CoarseSearch, AnErrorMayTurnAboutAFarPlace) {
+  const SubmapPair views = room_pair();
+  const Pose3 about = pose_at(-1.5, -2.0, 0.0, 0.0);  // of the target's frame, at the far side of the room
+  const Pose3 off = about * pose_at(0.5, -0.5, 0.0, 0.5) * about.inverse();
+  const auto poses = coarse_search(views.source.map, views.target.map, off * views.T_target_source, {0.8, 0.5, 0.55},
+                                   Eigen::Vector3d::UnitZ(), 6);
+  double nearest_m = 99.0;
+  for (const CoarsePose& pose : poses) {
+    const Pose3 error = views.T_target_source.inverse() * pose.T_target_source;
+    if (error.angle_rad() < 0.1) nearest_m = std::min(nearest_m, error.translation_m().norm());
+  }
+  EXPECT_LT(nearest_m, 0.6);
+}
+
+// Six starts in one basin would leave the next aisle unseen.
+TEST(CoarseSearch, NoTwoPosesLieInOneBasin) {
+  const SubmapPair views = room_pair();
+  const auto poses = coarse_search(views.source.map, views.target.map, views.T_target_source, {5.0, 0.5, 0.35},
+                                   Eigen::Vector3d::UnitZ(), 10);
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      const Pose3 apart = poses[i].T_target_source.inverse() * poses[j].T_target_source;
+      EXPECT_TRUE(apart.translation_m().norm() > 0.6 || apart.angle_rad() > 0.1) << i << " " << j;
+    }
+  }
+}
+
 TEST(CoarseSearch, TheVerticalMayLieAnywhereInTheTarget) {
   const SubmapPair views = room_pair();
   // The same pair with the target's frame lying on its side.

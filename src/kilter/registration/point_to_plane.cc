@@ -30,7 +30,7 @@ constexpr double kPolished_m = 1e-4;
 constexpr double kPolished_rad = 1e-5;
 constexpr double kSlidVoxels = 0.25;  // a motion this small along a free direction is not worth another descent
 // The wide search.
-constexpr int kWideStarts = 6;
+constexpr int kWideStarts = 10;
 constexpr int kWidePoints = 600;             // while descending from each of them
 constexpr std::size_t kJudgedVoxels = 6000;  // of the larger submap, to tell the best
 constexpr int kWideIterations = 18;
@@ -40,6 +40,7 @@ constexpr double kHomeBonus = 1.2;          // the map's own basin is left for s
 constexpr double kWideRefinement_m = 1.0;   // a coarse pose is good to a cell or two
 constexpr double kMostRise_m = 1.0;         // vertically; lidar poses drift less in height
 constexpr double kDistinctVoxels = 5.0;     // optima nearer than this are one
+constexpr double kSameVoxels = 1.0;         // and nearer than this, judged once
 constexpr double kCloseSearchVoxels = 6.0;  // for the last descent, from the best
 
 bool out_of_range(const Pose3& start, const Pose3& now, const Eigen::Vector3d& centre_target_m, double range_m,
@@ -289,6 +290,10 @@ RegistrationResult align_widely(const NearestVoxelSearch& source, const NearestV
     const double range_m = from.translation_m() == start.translation_m() ? reach_m : kWideRefinement_m;
     const Descent descent = descend(pair, from, quick, range_m + options.search_distance_m);
     if (!descent.ended()) continue;
+    const bool known = std::any_of(optima.begin(), optima.end(), [&](const Optimum& other) {
+      return apart_m(source.map(), other.descent.T, descent.T) < kSameVoxels * resolution_m;
+    });
+    if (known) continue;
     optima.push_back(judged(pair, descent, options));
     if (&from == &starts.front() && optima.back().worth > 0.0) optima.back().worth *= kHomeBonus;
   }
