@@ -66,6 +66,36 @@ int facing_of(const Eigen::Vector3d& normal) {
   return facing;
 }
 
+struct Patch {
+  Vector6 gradient = Vector6::Zero();  // sum w J r
+  Vector6 pull = Vector6::Zero();      // sum w J: the gradient that a common offset of 1 m would make
+  double weight = 0.0;                 // sum w
+  double squares_m2 = 0.0;             // sum w r^2
+};
+
+using Patches = std::map<std::array<int, 4>, Patch>;
+
+// Residuals by cell and facing.
+Patches patches_of(std::span<const PlaneResidual> residuals, const NormalEquations& equations, double cell_m) {
+  Patches patches;
+  for (const PlaneResidual& r : residuals) {
+    const Eigen::Vector3i cell = ((r.point_m - equations.centre_m) / cell_m).array().round().matrix().cast<int>();
+    Patch& patch = patches[{cell.z(), cell.y(), cell.x(), facing_of(r.direction)}];
+    const Vector6 pull = r.weight * jacobian(r, equations);
+    patch.pull += pull;
+    patch.gradient += r.residual_m * pull;
+    patch.weight += r.weight;
+    patch.squares_m2 += r.weight * r.residual_m * r.residual_m;
+  }
+  return patches;
+}
+
+// What the solution does where gradients have this covariance, as (v, w).
+Matrix6 solved_covariance(const NormalEquations& equations, const ObservableSplit& split, const Matrix6& gradients) {
+  const Matrix6 inverse = equations.unscale * observable_inverse(equations, split);
+  return inverse * gradients * inverse.transpose();
+}
+
 // What the residuals that face the motion along a unit direction of the scaled unknowns add to its share.
 double facing_share(std::span<const PlaneResidual> residuals, const NormalEquations& equations,
                     const Vector6& direction) {
@@ -162,18 +192,7 @@ Vector6 solve_observable(const NormalEquations& equations, const ObservableSplit
 
 Matrix6 patch_covariance(std::span<const PlaneResidual> residuals, const NormalEquations& equations,
                          const ObservableSplit& split, double cell_m, double patch_sigma_m) {
-  struct Patch {
-    Vector6 gradient = Vector6::Zero();  // sum w J r
-    Vector6 pull = Vector6::Zero();      // sum w J: the gradient that a common offset of 1 m would make
-  };
-  std::map<std::array<int, 4>, Patch> patches;
-  for (const PlaneResidual& r : residuals) {
-    const Eigen::Vector3i cell = ((r.point_m - equations.centre_m) / cell_m).array().round().matrix().cast<int>();
-    Patch& patch = patches[{cell.z(), cell.y(), cell.x(), facing_of(r.direction)}];
-    const Vector6 pull = r.weight * jacobian(r, equations);
-    patch.pull += pull;
-    patch.gradient += r.residual_m * pull;
-  }
+  const Patches patches = patches_of(residuals, equations, cell_m);
   Matrix6 meat = Matrix6::Zero();
   Matrix6 offsets = Matrix6::Zero();
   for (const auto& [key, patch] : patches) {
@@ -182,12 +201,27 @@ Matrix6 patch_covariance(std::span<const PlaneResidual> residuals, const NormalE
   }
   const double count = static_cast<double>(patches.size());
   if (count > 6.0) meat *= count / (count - 6.0);  // six unknowns were fitted to these patches
-  const Matrix6 inverse = observable_inverse(equations, split);
-  Matrix6 covariance = inverse * (meat + patch_sigma_m * patch_sigma_m * offsets) * inverse.transpose();
-  for (int k = split.unobservable; k < 6; ++k) {
-    covariance += split.blur_m[k] * split.blur_m[k] * split.directions.col(k) * split.directions.col(k).transpose();
+  return solved_covariance(equations, split, meat + patch_sigma_m * patch_sigma_m * offsets);
+}
+
+Matrix6 offset_covariance(std::span<const PlaneResidual> residuals, const NormalEquations& equations,
+                          const ObservableSplit& split, const PatchOffsets& offsets) {
+  Matrix6 meat = Matrix6::Zero();
+  for (const auto& [key, patch] : patches_of(residuals, equations, offsets.cell_m)) {
+    if (!(patch.weight > 0.0)) continue;
+    const double variance_m2 =
+        offsets.of_residuals * patch.squares_m2 / patch.weight + offsets.sigma_m * offsets.sigma_m;
+    meat += variance_m2 * patch.pull * patch.pull.transpose();
   }
-  return equations.unscale * covariance * equations.unscale.transpose();
+  return solved_covariance(equations, split, meat);
+}
+
+Matrix6 blur_covariance(const NormalEquations& equations, const ObservableSplit& split) {
+  Matrix6 blur = Matrix6::Zero();
+  for (int k = split.unobservable; k < 6; ++k) {
+    blur += split.blur_m[k] * split.blur_m[k] * split.directions.col(k) * split.directions.col(k).transpose();
+  }
+  return equations.unscale * blur * equations.unscale.transpose();
 }
 
 Matrix6 prior_covariance(const NormalEquations& equations, const ObservableSplit& split, double prior_translation_m,

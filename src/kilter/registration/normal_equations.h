@@ -75,10 +75,24 @@ inline constexpr double kFacingCosine = 0.4;
 ///  - a sandwich over the patches' sums, for what shows in the residuals: noise, clutter, bends within reach;
 ///  - `patch_sigma_m` for what does not: all voxels of a surface cut it at much the same height, and a patch so lies
 ///    off as a whole; residuals of a fit that follows it are small all the same.
-/// What blurs a direction is added.
 /// So a direction that few surfaces fix is known less well than one that many do.
 [[nodiscard]] Matrix6 patch_covariance(std::span<const PlaneResidual> residuals, const NormalEquations& equations,
                                        const ObservableSplit& split, double cell_m, double patch_sigma_m);
+
+/// How far patches (as above) lie off as a whole, each on its own: variances that add up.
+struct PatchOffsets {
+  double cell_m = 2.0;
+  double of_residuals = 0.0;  ///< share of the patch's own mean square residual
+  double sigma_m = 0.0;
+};
+
+/// The same where nothing but these offsets moves the solution: floors seen at grazing angles are thin, and so are
+/// their offsets; walls hit head-on, foliage and cars are thick.
+[[nodiscard]] Matrix6 offset_covariance(std::span<const PlaneResidual> residuals, const NormalEquations& equations,
+                                        const ObservableSplit& split, const PatchOffsets& offsets);
+
+/// What blurs the observable directions, as a covariance of (v, w).
+[[nodiscard]] Matrix6 blur_covariance(const NormalEquations& equations, const ObservableSplit& split);
 
 /// What a prior of independent (v, w) leaves along the directions that the scene does not fix; zero elsewhere.
 [[nodiscard]] Matrix6 prior_covariance(const NormalEquations& equations, const ObservableSplit& split,

@@ -126,16 +126,39 @@ TEST(SplitBeside, HoldsMotionsOfTheFrame) {
   EXPECT_NEAR(std::abs(split.directions.col(0).dot(all.directions.col(3))), 1.0, 1e-9);
 }
 
-TEST(PatchCovariance, AddsWhatBlursADirection) {
+TEST(BlurCovariance, LiesAlongWhatIsBlurred) {
   const auto residuals = box_residuals({}, {true, true, true}, 0.01, 5);
   const NormalEquations equations = build_normal_equations(residuals);
   ObservableSplit split = split_beside(equations, {});
-  const Matrix6 sharp = patch_covariance(residuals, equations, split, 2.0, 0.0);
   split.blur_m[2] = 0.03;
   const Matrix6 scale = equations.unscale.inverse();
-  const Matrix6 added = scale * (patch_covariance(residuals, equations, split, 2.0, 0.0) - sharp) * scale.transpose();
-  EXPECT_NEAR(std::sqrt(added.trace()), 0.03, 1e-9);
-  EXPECT_NEAR(split.directions.col(2).dot(added * split.directions.col(2)), 0.03 * 0.03, 1e-9);
+  const Matrix6 blur = scale * blur_covariance(equations, split) * scale.transpose();
+  EXPECT_NEAR(std::sqrt(blur.trace()), 0.03, 1e-9);
+  EXPECT_NEAR(split.directions.col(2).dot(blur * split.directions.col(2)), 0.03 * 0.03, 1e-9);
+}
+
+// A thick wall and a thin floor: what the floor fixes is known better, though both are as many.
+TEST(OffsetCovariance, FollowsThePatchesOwnResiduals) {
+  auto residuals = box_residuals({}, {true, true, true}, 0.02, 5);
+  for (PlaneResidual& r : residuals) {
+    if (std::abs(r.direction.z()) > 0.9) r.residual_m *= 0.1;
+  }
+  const NormalEquations equations = build_normal_equations(residuals);
+  const ObservableSplit split = split_beside(equations, {});
+  const Matrix6 claimed = offset_covariance(residuals, equations, split, {.cell_m = 2.0, .of_residuals = 1.0});
+  EXPECT_LT(claimed(2, 2), 0.1 * claimed(0, 0));
+  const Matrix6 half = offset_covariance(residuals, equations, split, {.cell_m = 2.0, .of_residuals = 0.5});
+  EXPECT_LT((claimed - 2.0 * half).norm(), 1e-9 * claimed.norm());
+}
+
+// What moves all patches alike is known less well the fewer of them there are.
+TEST(OffsetCovariance, WiderCellsHoldFewerObservations) {
+  const auto residuals = box_residuals({}, {true, true, true}, 0.01, 5);
+  const NormalEquations equations = build_normal_equations(residuals);
+  const ObservableSplit split = split_beside(equations, {});
+  const Matrix6 narrow = offset_covariance(residuals, equations, split, {.cell_m = 1.0, .sigma_m = 0.01});
+  const Matrix6 wide = offset_covariance(residuals, equations, split, {.cell_m = 8.0, .sigma_m = 0.01});
+  for (int axis = 0; axis < 3; ++axis) EXPECT_GT(wide(axis, axis), 1.5 * narrow(axis, axis)) << axis;
 }
 
 // Each wall of a box, cut by its lattice, lies off as a whole; no residual shows it.

@@ -165,7 +165,8 @@ RegistrationResult align_oicp(const NearestVoxelSearch& source, const NearestVox
   result.support_end = matched_at(source, target, T, kSupportVoxels * resolution_m);
   result.residual_rms_m = std::sqrt(3.0 * equations.squares_m2 / equations.weight);
   // Points of two lattices settle within half a voxel of each other.
-  describe_uncertainty(residuals, equations, split, kPatchVoxels * resolution_m, prior, result);
+  result.covariance_measured = patch_covariance(residuals, equations, split, kPatch_m, kPatchVoxels * resolution_m);
+  describe_uncertainty(residuals, equations, split, prior, result);
   return result;
 }
 

@@ -217,9 +217,8 @@ RegistrationResult finish(PlanePair& pair, const Pose3& start, Descent descent, 
                              options.search_distance_m);
   result.T_target_source = descent.T;
   result.residual_rms_m = std::sqrt(look.equations.squares_m2 / look.equations.weight);
-  // A bent submap's patches lie off by what is measured as bend, and neighbours alike: hence all of it on each axis.
-  const double patch_sigma_m = std::hypot(kPlanePatchVoxels * resolution_m, result.bend.rms_m);
-  describe_uncertainty(look.residuals, look.equations, look.split, patch_sigma_m, prior, result);
+  result.covariance_measured = plane_covariance(look.residuals, look.equations, look.split, result.bend);
+  describe_uncertainty(look.residuals, look.equations, look.split, prior, result);
   return result;
 }
 

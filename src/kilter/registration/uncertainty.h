@@ -17,11 +17,15 @@ inline constexpr double kPlanePatchVoxels = 0.1;
 /// M of the mean square x^T M x by which a motion x = (v, w) displaces places of this scatter about its centre.
 [[nodiscard]] Matrix6 displacement_form(const Eigen::Matrix3d& scatter_m2);
 
+/// What is known of a pose that planes fix, as a covariance of (v, w) on the observable directions: patches of surface
+/// lie off by what their own residuals scatter, what lies within one part of a bend is off alike, and what fits
+/// anywhere blurs.
+[[nodiscard]] Matrix6 plane_covariance(std::span<const PlaneResidual> residuals, const NormalEquations& equations,
+                                       const ObservableSplit& split, const Bend& bend);
+
 /// Fills in what a finished registration says about itself: centre and scatter of the matched voxels, covariances,
-/// unobservable directions. `result.T_target_source` must be set. `patch_sigma_m` is how far a
-/// patch of surface may lie off as a whole. [m]
+/// unobservable directions. `result.T_target_source` and `result.covariance_measured` must be set.
 void describe_uncertainty(std::span<const PlaneResidual> residuals, const NormalEquations& equations,
-                          const ObservableSplit& split, double patch_sigma_m, const RegistrationPrior& prior,
-                          RegistrationResult& result);
+                          const ObservableSplit& split, const RegistrationPrior& prior, RegistrationResult& result);
 
 }  // namespace kilter
