@@ -83,9 +83,10 @@ Residuals moved(std::span<const PlaneResidual> part, const Eigen::Vector3d& cent
   return after;
 }
 
-// Whether a motion makes residuals vanish, among those that it changes: most of a scene may be floor, which fits at
-// every shift and says nothing.
-bool makes_vanish(std::span<const PlaneResidual> before, std::span<const PlaneResidual> after, double vanish_m) {
+// How far a motion is to be believed, 0 to 1: of the residuals that it makes vanish, the share by which they outnumber
+// those that it brings up. Only what the motion changes is asked: most of a scene may be floor, which fits at every shift
+// and says nothing; and clutter fits as well elsewhere.
+double belief_in_motion(std::span<const PlaneResidual> before, std::span<const PlaneResidual> after, double vanish_m) {
   std::size_t vanished = 0;
   std::size_t appeared = 0;
   for (std::size_t i = 0; i < before.size(); ++i) {
@@ -93,8 +94,11 @@ bool makes_vanish(std::span<const PlaneResidual> before, std::span<const PlaneRe
     vanished += std::abs(after[i].residual_m) < vanish_m ? 1 : 0;
     appeared += std::abs(before[i].residual_m) < vanish_m ? 1 : 0;
   }
-  return vanished >= appeared + kFewestGained &&
-         static_cast<double>(vanished) >= kLeastGain * static_cast<double>(appeared);
+  if (vanished < appeared + kFewestGained ||
+      static_cast<double>(vanished) < kLeastGain * static_cast<double>(appeared)) {
+    return 0.0;
+  }
+  return 1.0 - static_cast<double>(appeared) / static_cast<double>(vanished);
 }
 
 struct PartMotion {
@@ -118,16 +122,18 @@ PartMotion motion_of(std::span<const PlaneResidual> part, double resolution_m, d
   }
   const Residuals before = moved(part, centre_m, Vector6::Zero(), resolution_m);
   const Residuals after = moved(part, centre_m, motion, resolution_m);
-  const bool counts = makes_vanish(before, after, kPlaneSupportVoxels * resolution_m);
-  const Residuals& settled = counts ? after : before;
+  const double belief = belief_in_motion(before, after, kPlaneSupportVoxels * resolution_m);
+  const Residuals& settled = belief > 0.0 ? after : before;
   const NormalEquations equations = build_normal_equations(settled);
   const Matrix6 covariance = patch_covariance(settled, equations, split_observable(equations, settled), kPatch_m,
                                               kPlanePatchVoxels * resolution_m);
   const Matrix6 M = displacement_form(scatter_about(part, centre_m));
   const Matrix6 MC = M * covariance;
-  if (!counts) motion.setZero();
-  return {motion.dot(M * motion) - (counts ? MC.trace() : 0.0),
-          2.0 * (MC * MC).trace() + 4.0 * motion.dot(MC * (M * motion))};
+  if (belief == 0.0) motion.setZero();
+  const double mean_m2 = motion.dot(M * motion) - (belief > 0.0 ? MC.trace() : 0.0);
+  // Either it moved or it did not.
+  return {belief * mean_m2, 2.0 * (MC * MC).trace() + 4.0 * motion.dot(MC * (M * motion)) +
+                                belief * (1.0 - belief) * mean_m2 * mean_m2};
 }
 
 }  // namespace

@@ -27,7 +27,8 @@ struct Bend {
 /// Cuts the overlap into parts, by place, by when the source saw it and by when the target did, and lets each part find
 /// its own small motion: robust least squares on the residuals' planes with a kernel that narrows from half the reach
 /// to a voxel, along the directions that the part itself fixes; nothing along the others. A motion counts where it
-/// makes more of the part's residuals vanish; clutter, which no motion mends, does not. A cut shows the mean over its
+/// makes more of the part's residuals vanish, as far as those outnumber the ones that it brings up: clutter, which no
+/// motion mends, and what only one of the two saw fit elsewhere as well, by chance. A cut shows the mean over its
 /// parts, weighted by their residuals, of x^T M x (see OffsetEstimate) less what the motions' covariances alone would
 /// give; the cut that shows most is told.
 ///

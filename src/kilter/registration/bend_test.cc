@@ -75,6 +75,20 @@ TEST(MeasureBend, ClutterOfAllSizesSaysNothing) {
   EXPECT_LT(measure_bend(residuals, kVoxel_m, kReach_m).rms_m, 0.02);
 }
 
+// Beyond the middle the two saw different surfaces: some fit where they are, twice as many happen to fit 0.3 m off.
+TEST(MeasureBend, AMotionThatMakesLittleMoreFitIsHalfBelievedAndDoubted) {
+  Rng rng(9, 0);
+  std::vector<PlaneResidual> residuals = hall([](const auto&, auto) { return Eigen::Vector2d(0.0, 0.0); }, 0.01);
+  for (PlaneResidual& r : residuals) {
+    if (r.point_m.x() < 12.0 || r.direction.y() == 0.0) continue;
+    r.residual_m = (rng.uniform(0.0, 1.0) < 2.0 / 3.0 ? 0.3 * r.direction.y() : 0.0) + 0.01 * rng.normal();
+  }
+  const Bend bend = measure_bend(residuals, kVoxel_m, kReach_m);
+  const double certain_m = 0.3 * std::sqrt(0.5);
+  EXPECT_NEAR(bend.rms_m, certain_m * std::sqrt(0.5), 0.05);
+  EXPECT_GT(std::sqrt(bend.variance_m4), 0.5 * bend.rms_m * bend.rms_m);
+}
+
 TEST(MeasureBend, NothingIsNoBend) {
   EXPECT_EQ(measure_bend({}, kVoxel_m, kReach_m).rms_m, 0.0);
   EXPECT_EQ(measure_bend({}, kVoxel_m, kReach_m).parts, 0);

@@ -32,11 +32,18 @@ constexpr double kLeastGain = 1.3;
 // this much of what both saw no longer conflicts, and at most half of the conflict is left.
 constexpr double kLeastGainWithFreeSpace = 1.1;
 constexpr double kLeastConflictGone = 0.02;
+// Surfaces that lie apart stand in space that the other submap saw through, so a move in the right direction makes
+// conflict vanish. Where it makes some instead, the storey above or the next aisle may be what fits: the gain has to be
+// overwhelming.
+constexpr double kLeastGainAgainstFreeSpace = 3.0;
 // Of what both saw, this much may have moved in between.
 constexpr double kMovingShare = 0.2;
 constexpr double kConflictSampling = 0.02;  // standard deviation of such a share
 constexpr std::size_t kFewestKnown = 400;   // voxels, of both submaps, that it has to stand on
 constexpr double kSurely = 1e-4;            // a displacement of this p-value needs no other witness
+// A registration that is not believed is the wrong one this often. It then says nothing of the disagreement, so
+// likelihood ratios are bounded by the inverse of this.
+constexpr double kWrongWhenDoubted = 0.25;
 // An ambiguous registration is believed if this many around it agree.
 constexpr int kSupported = 2;
 
@@ -84,6 +91,7 @@ bool fit_improved(const PairEvidence& pair) {
   const auto end = static_cast<double>(pair.registration->support_end);
   const double before = pair.map.conflict.share();
   const double after = pair.registered->conflict.share();
+  if (after > before) return end >= kLeastGainAgainstFreeSpace * start;
   const bool conflict_gone = before - after >= kLeastConflictGone && after <= 0.5 * before;
   return end >= kLeastGain * start || (end >= kLeastGainWithFreeSpace * start && conflict_gone);
 }
@@ -123,6 +131,15 @@ void set_posterior(double log_ratio, const JudgeOptions& options, PairVerdict& v
   const double prior = std::log(options.prior_inconsistent / (1.0 - options.prior_inconsistent));
   verdict.log_odds = std::clamp(log_ratio + prior, -kMaxLogOdds, kMaxLogOdds);
   verdict.p_inconsistent = 1.0 / (1.0 + std::exp(-*verdict.log_odds));
+}
+
+// With probability kWrongWhenDoubted the registration is wrong, and what it found is as likely either way.
+void disbelieve(const JudgeOptions& options, PairVerdict& verdict) {
+  verdict.p_value.reset();
+  std::optional<double>& log_ratio = verdict.evidence.at("disagreement").log_ratio;
+  const double strength = std::log(kWrongWhenDoubted + (1.0 - kWrongWhenDoubted) * std::exp(-std::abs(*log_ratio)));
+  log_ratio = *log_ratio > 0.0 ? -strength : strength;
+  set_posterior(*log_ratio, options, verdict);
 }
 
 void note_offset(const OffsetEstimate& offset, const Bend& bend, const JudgeOptions& options, PairVerdict& verdict) {
@@ -256,10 +273,13 @@ PairVerdict judge_displacement(const PairEvidence& pair, const MapNull& null, co
   const std::string why_not = doubt(pair, null, verdict.rigid || moved);
   if (!why_not.empty()) {
     verdict.reason = fmt::format("{}; {}", measured, why_not);
-    verdict.p_value.reset();
+    disbelieve(options, verdict);
   } else if (moved && !fit_improved(pair)) {
-    verdict.reason = fmt::format("{}, but the pair agrees no better there", measured);
-    verdict.p_value.reset();
+    verdict.reason = pair.registered->conflict.share() > pair.map.conflict.share()
+                         ? fmt::format("{}, but what both saw conflicts more there: a similar place may be what fits",
+                                       measured)
+                         : fmt::format("{}, but the pair agrees no better there", measured);
+    disbelieve(options, verdict);
   } else if (beyond) {
     verdict.reason = fmt::format(
         "{}, {} apart with what no rigid motion mends: not told from the tolerance of {} over "

@@ -177,6 +177,33 @@ TEST(JudgePair, ASmallGainCountsIfFreeSpaceAgrees) {
   EXPECT_EQ(verdict_of(pair), Verdict::kInconsistent);
 }
 
+// A storey below looks like the one above: planes fit there, but walls then stand where the other submap saw through.
+TEST(JudgePair, AMoveThatFreeSpaceSpeaksAgainstHasToFitFarBetter) {
+  PairEvidence pair = pair_moved(0.3, 0.01);
+  pair.map.conflict = {{1000, 0}, {1000, 0}};
+  pair.registered->conflict = {{1000, 10}, {1000, 10}};
+  pair.registration->support_end = pair.registration->support_start * 2;
+  EXPECT_EQ(verdict_of(pair), Verdict::kUnverified);
+  EXPECT_NE(judged(pair).verdict.reason.find("conflicts more there"), std::string::npos) << judged(pair).verdict.reason;
+  pair.registration->support_end = pair.registration->support_start * 4;
+  EXPECT_EQ(verdict_of(pair), Verdict::kInconsistent);
+}
+
+TEST(JudgePair, ARegistrationThatIsNotBelievedSaysLittleOfTheProbability) {
+  PairEvidence pair = pair_moved(0.6, 0.01);
+  pair.registered->overlap = 0.3;  // lost
+  const PairVerdict doubted = judge_pair(pair, {}, {});
+  EXPECT_GT(*doubted.p_inconsistent, 0.05) << "the prior";
+  EXPECT_LT(*doubted.p_inconsistent, 0.25);
+  EXPECT_FALSE(doubted.p_value);
+  EXPECT_NEAR(*doubted.log_odds, *doubted.evidence.at("disagreement").log_ratio + std::log(0.05 / 0.95), 1e-12);
+  PairEvidence still = pair_moved(0.01, 0.01);
+  still.registered->overlap = 0.3;
+  const PairVerdict quiet = judge_pair(still, {}, {});
+  EXPECT_LT(*quiet.p_inconsistent, 0.05);
+  EXPECT_GT(*quiet.p_inconsistent, 0.01);
+}
+
 TEST(JudgePair, PointsAloneMustAgreeAsWellAsTheMapsOtherPairs) {
   PairEvidence pair = pair_moved(0.01, 0.01);
   pair.registered->conflict = {};
