@@ -2,11 +2,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "kilter/io/sources/kiss_slam.h"
 
+#include <algorithm>
 #include <memory>
+#include <span>
 
 #include "kilter/base/contract.h"
 #include "kilter/io/file.h"
 #include "kilter/io/g2o_reader.h"
+#include "kilter/io/log_from_files.h"
 #include "kilter/io/pose_file.h"
 #include "kilter/io/sources/cloud_folder.h"
 
@@ -33,6 +36,13 @@ void read_in_own_frames(RobotLog& log) {
   };
 }
 
+// KISS-SLAM begins the next local map as soon as it has written one, so the last is a vertex without a file.
+void drop_unwritten_map(std::vector<NumberedPose>& vertices, std::span<const std::string> names) {
+  std::uint64_t last = 0;
+  for (const std::string& name : names) last = std::max(last, number_of_file(name).value_or(0));
+  if (vertices.size() > 1 && vertices.back().id == last + 1) vertices.pop_back();
+}
+
 }  // namespace
 
 bool is_kiss_slam_result(const fs::path& folder) { return is_file(graph_of(folder)); }
@@ -41,11 +51,12 @@ Expected<RobotLog> open_kiss_slam_result(const SourceRequest& request, std::vect
   const fs::path graph = graph_of(request.path);
   const auto bytes = read_file(graph, kMaxPoseFileBytes);
   if (!bytes) return pass_up(bytes.error());
-  const auto vertices = read_g2o_vertices(bytes->view(), shown(graph));
+  auto vertices = read_g2o_vertices(bytes->view(), shown(graph));
   if (!vertices) return pass_up(vertices.error());
   const fs::path folder = request.path / "local_maps" / "plys";
   const auto names = list_clouds_of(folder);
   if (!names) return pass_up(names.error());
+  drop_unwritten_map(*vertices, *names);
   RobotLog log;
   log.name = request.name;
   log.finished_submaps = true;

@@ -37,13 +37,20 @@ TEST(KissSlam, ReadsLocalMapsInTheirOwnFrames) {
   ASSERT_EQ(log.T_world_cloud.size(), 3U);
   EXPECT_TRUE(log.finished_submaps);
   EXPECT_EQ(log.clouds_found, 3U);
-  EXPECT_EQ(log.poses_found, 4U);
+  EXPECT_EQ(log.poses_found, 3U) << "the last local map is empty by design, which is nothing odd";
   EXPECT_EQ(notes_of(mission), "");
   for (int i = 0; i < 3; ++i) {
     const auto index = static_cast<std::size_t>(i);
     EXPECT_LT(difference(log.T_world_cloud[index], pose_number(i)), 1e-12);
     EXPECT_LT((first_point(log, index) - Eigen::Vector3f(static_cast<float>(i + 1), 2, 3)).norm(), 1e-5F);
   }
+}
+
+TEST(KissSlam, CountsVerticesWithoutAMapButTheLast) {
+  const TempFolder folder;
+  write_result(folder, "r", 3);
+  fs::remove(folder.path() / "r/local_maps/plys/000002.ply");
+  EXPECT_EQ(only_robot(open_source(folder.path() / "r"), "KISS-SLAM result").poses_found, 4U);
 }
 
 TEST(KissSlam, TakesTheLinkToTheLatestResult) {
