@@ -147,7 +147,21 @@ class Info(unittest.TestCase):
             self.assertIn("mission, 26 scans, 2 robots", text.stdout)
             self.assertIn("Likely 6 submaps", text.stdout)
             self.assertIn("poses matched 13 of 13", text.stdout)
+            self.assertEqual((robots[0]["flattest_axis"], robots[0]["lengths_look_metric"]), ("z", True))
+            self.assertIn("z seems to be up", text.stdout)
+            self.assertIn("lengths look like metres", text.stdout)
             self.assertIn("Nothing odd found", text.stdout)
+
+    def test_says_the_unit_of_stamps(self):
+        with TinyMission() as tiny:
+            for unit, factor in {"s": 1, "ms": 10**3, "us": 10**6, "ns": 10**9}.items():
+                mission = tiny.copy(f"in_{unit}")
+                poses = mission / "a" / "poses.tum"
+                rows = [line.split(maxsplit=1)[1] for line in poses.read_text().splitlines() if line[:1].isdigit()]
+                poses.write_text("".join(f"{(1403636579 + i) * factor} {row}\n" for i, row in enumerate(rows)))
+                self.assertIn(f"stamps in {unit}: Unix time, 2014-06-24 19:02:59 UTC, 2.0 s", run_kilter("info", mission).stdout)
+                robots = json.loads(run_kilter("info", mission, "--json").stdout)["robots"]
+                self.assertEqual((robots[0]["stamp_unit"], robots[0]["first_stamp_s"]), (unit, 1403636579))
 
     def test_says_what_is_wrong_before_any_work(self):
         with TinyMission() as tiny:

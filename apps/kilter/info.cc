@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <CLI/App.hpp>
@@ -45,9 +46,10 @@ std::string date_of(std::int64_t stamp_ns) {
 std::string stamps_in_words(const RobotInspection& robot) {
   if (!robot.first_ns) return "no stamps";
   const double seconds = 1e-9 * static_cast<double>(*robot.last_ns - *robot.first_ns);
-  if (is_unix_time(*robot.first_ns))
-    return fmt::format("stamps are Unix time, {} UTC, {:.1f} s", date_of(*robot.first_ns), seconds);
-  return fmt::format("stamps from {:.3f} s, {:.1f} s", 1e-9 * static_cast<double>(*robot.first_ns), seconds);
+  const std::string begin = is_unix_time(*robot.first_ns)
+                                ? fmt::format("Unix time, {} UTC", date_of(*robot.first_ns))
+                                : fmt::format("from {:.3f} s", 1e-9 * static_cast<double>(*robot.first_ns));
+  return fmt::format("stamps in {}: {}, {:.1f} s", robot.stamp_unit, begin, seconds);
 }
 
 std::string points_in_words(const RobotInspection& robot) {
@@ -56,20 +58,36 @@ std::string points_in_words(const RobotInspection& robot) {
                      robot.points_are_voxels ? "occupied voxels" : "points", robot.clouds_unread > 0 ? " in all" : "");
 }
 
-// Whatever else the frames are, a ground robot's vertical is the direction it moves in least.
-std::string frame_in_words(const RobotInspection& robot) {
+std::string counted(std::size_t count, std::string_view what) {
+  return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
+}
+
+// Whatever else the frames are, a ground robot's vertical is the direction it moves in least. Nothing where poses are
+// too close together to tell.
+std::optional<std::string_view> flattest_axis(const RobotInspection& robot) {
   const Eigen::Vector3d size_m = robot.extent_world_m.sizes();
-  if (size_m.maxCoeff() < 1.0) return "poses too close together to tell which way is up";
+  if (size_m.maxCoeff() < 1.0) return std::nullopt;
   Eigen::Index least = 0;
   size_m.minCoeff(&least);
-  return least == 2 ? "z seems to be up" : fmt::format("{} varies least, kilter takes z as up", "xyz"[least]);
+  return std::string_view("xyz").substr(static_cast<std::size_t>(least), 1);
+}
+
+std::string frame_in_words(const RobotInspection& robot) {
+  const std::optional<std::string_view> axis = flattest_axis(robot);
+  if (!axis) return "poses too close together to tell which way is up";
+  return *axis == "z" ? "z seems to be up" : fmt::format("{} varies least, kilter takes z as up", *axis);
+}
+
+bool are_lengths_metric(const Inspection& inspection, const RobotInspection& robot) {
+  return std::none_of(inspection.oddities.begin(), inspection.oddities.end(),
+                      [&](const Oddity& oddity) { return oddity.code == "millimetres" && oddity.robot == robot.name; });
 }
 
 void write_optional(JsonWriter& json, std::string_view key, const std::optional<std::int64_t>& stamp_ns) {
   json.field(key, stamp_ns ? std::optional(1e-9 * static_cast<double>(*stamp_ns)) : std::nullopt);
 }
 
-void write_robot(JsonWriter& json, const RobotInspection& robot) {
+void write_robot(JsonWriter& json, const RobotInspection& robot, bool lengths_metric) {
   const Eigen::Vector3d low = robot.extent_world_m.min();
   const Eigen::Vector3d high = robot.extent_world_m.max();
   json.open_object(JsonWriter::Layout::kCompact).field("name", robot.name).field("kind", robot.kind);
@@ -83,6 +101,8 @@ void write_robot(JsonWriter& json, const RobotInspection& robot) {
   json.key("pose_max_m").value(std::span<const double>(high.data(), 3));
   write_optional(json, "first_stamp_s", robot.first_ns);
   write_optional(json, "last_stamp_s", robot.last_ns);
+  json.field("stamp_unit", robot.first_ns ? std::optional<std::string_view>(robot.stamp_unit) : std::nullopt);
+  json.field("flattest_axis", flattest_axis(robot)).field("lengths_look_metric", lengths_metric);
   json.field("likely_submaps", robot.likely_submaps).field("first_cloud_points", robot.first_points);
   json.field("first_cloud_dropped", robot.first_dropped).field("median_range_m", robot.median_range_m).close();
 }
@@ -95,7 +115,9 @@ std::string as_json(const Mission& mission, const Inspection& inspection) {
     json.field("robots", source.robots).field("clouds", source.clouds).close();
   }
   json.close().key("robots").open_list();
-  for (const RobotInspection& robot : inspection.robots) write_robot(json, robot);
+  for (const RobotInspection& robot : inspection.robots) {
+    write_robot(json, robot, are_lengths_metric(inspection, robot));
+  }
   json.close().field("likely_submaps", inspection.likely_submaps);
   const auto& pairs = inspection.likely_pairs;
   json.field("likely_pairs", pairs ? std::optional(static_cast<double>(*pairs)) : std::nullopt);
@@ -109,7 +131,7 @@ std::string as_json(const Mission& mission, const Inspection& inspection) {
   return json.close().close().take();
 }
 
-std::string robot_as_text(const RobotInspection& robot) {
+std::string robot_as_text(const RobotInspection& robot, bool lengths_metric) {
   const Eigen::Vector3d low = robot.extent_world_m.min();
   const Eigen::Vector3d high = robot.extent_world_m.max();
   std::string text = fmt::format("{} ({})\n", printable(robot.name), robot.kind);
@@ -117,16 +139,17 @@ std::string robot_as_text(const RobotInspection& robot) {
     text += fmt::format("  only the first {} of {} scans were looked at: unpacking takes long\n", robot.clouds_found,
                         robot.clouds_found + robot.clouds_unread);
   }
-  text += fmt::format("  {} {}, {}; poses matched {} of {}\n", robot.clouds,
-                      robot.finished_submaps ? "finished submaps" : "scans", points_in_words(robot), robot.clouds,
-                      std::max(robot.clouds_found, robot.poses_found));
-  text += fmt::format("  path {:.1f} m, likely {} submaps; {}\n", robot.path_length_m, robot.likely_submaps,
+  text += fmt::format("  {}, {}; poses matched {} of {}\n",
+                      counted(robot.clouds, robot.finished_submaps ? "finished submap" : "scan"),
+                      points_in_words(robot), robot.clouds, std::max(robot.clouds_found, robot.poses_found));
+  text += fmt::format("  path {:.1f} m, likely {}; {}\n", robot.path_length_m, counted(robot.likely_submaps, "submap"),
                       stamps_in_words(robot));
   text += fmt::format("  poses x {:.1f} to {:.1f}, y {:.1f} to {:.1f}, z {:.1f} to {:.1f} m; {}\n", low.x(), high.x(),
                       low.y(), high.y(), low.z(), high.z(), frame_in_words(robot));
   if (robot.median_range_m) {
-    text += fmt::format("  first cloud: {} points, median range {:.1f} m, {} dropped (not finite or too far)\n",
-                        robot.first_points, *robot.median_range_m, robot.first_dropped);
+    text += fmt::format("  first cloud: {}, median range {:.1f} m, {} dropped (not finite or too far); {}\n",
+                        counted(robot.first_points, "point"), *robot.median_range_m, robot.first_dropped,
+                        lengths_metric ? "lengths look like metres" : "lengths do not look like metres");
   }
   return text;
 }
@@ -136,10 +159,14 @@ std::string as_text(const Mission& mission, const Inspection& inspection) {
   for (const SourceSummary& source : mission.sources) {
     text += fmt::format("{}: {}\n", printable(source.source, 1024), describe(source));
   }
-  text += fmt::format("Likely {} submaps", inspection.likely_submaps);
-  if (inspection.likely_pairs) text += fmt::format(", {} pairs of them near each other", *inspection.likely_pairs);
+  text += fmt::format("Likely {}", counted(inspection.likely_submaps, "submap"));
+  if (inspection.likely_pairs) {
+    text += fmt::format(", {} of them near each other", counted(*inspection.likely_pairs, "pair"));
+  }
   text += '\n';
-  for (const RobotInspection& robot : inspection.robots) text += robot_as_text(robot);
+  for (const RobotInspection& robot : inspection.robots) {
+    text += robot_as_text(robot, are_lengths_metric(inspection, robot));
+  }
   if (inspection.oddities.empty()) return text + "Nothing odd found\n";
   text += fmt::format("{} oddit{}, `kilter explain CODE` tells more\n", inspection.oddities.size(),
                       inspection.oddities.size() == 1 ? "y" : "ies");

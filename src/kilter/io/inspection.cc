@@ -80,6 +80,7 @@ Expected<RobotInspection> look_at(const RobotLog& robot, std::size_t submaps) {
   if (!robot.stamps_ns.empty()) {
     seen.first_ns = robot.stamps_ns.front();
     seen.last_ns = robot.stamps_ns.back();
+    seen.stamp_unit = robot.stamp_unit;
   }
   seen.likely_submaps = submaps;
   if (robot.read_cells) {

@@ -37,6 +37,7 @@ struct RobotInspection {
   Eigen::AlignedBox3d extent_world_m;    ///< of the poses
   std::optional<std::int64_t> first_ns;  ///< stamp of the first cloud, where there are stamps
   std::optional<std::int64_t> last_ns;   ///< and of the last
+  std::string stamp_unit;                ///< in which they were written, known or guessed: "s"; else empty
   std::size_t likely_submaps = 0;        ///< as `check` would cut them
   std::size_t first_points = 0;          ///< of the first cloud, once read
   std::size_t first_dropped = 0;         ///< and how many of it were not finite or too far

@@ -275,13 +275,13 @@ Expected<void> replace_poses(RobotLog& log, const fs::path& folder) {
   if (!pose_file) return pass_up(pose_file.error());
   auto poses = read_pose_file(*pose_file);
   if (!poses) return pass_up(poses.error());
-  if (poses->size() != log.T_world_cloud.size()) {
+  if (poses->T_world_cloud.size() != log.T_world_cloud.size()) {
     return fail(ErrorCode::kCountMismatch,
-                fmt::format("{} poses, but the {} has {} clouds with a pose", poses->size(), log.kind,
+                fmt::format("{} poses, but the {} has {} clouds with a pose", poses->T_world_cloud.size(), log.kind,
                             log.T_world_cloud.size()),
                 shown(*pose_file), "one pose for each of them, in the same order");
   }
-  log.T_world_cloud = *std::move(poses);
+  log.T_world_cloud = std::move(poses->T_world_cloud);
   return {};
 }
 

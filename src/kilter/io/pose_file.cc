@@ -5,8 +5,6 @@
 #include <fmt/format.h>
 
 #include "kilter/io/file.h"
-#include "kilter/io/pose_list.h"
-#include "kilter/io/pose_reader.h"
 
 namespace kilter {
 
@@ -27,17 +25,10 @@ Expected<std::filesystem::path> find_pose_file(const std::filesystem::path& fold
               "move the others away, or name the wanted ones by --poses");
 }
 
-Expected<std::vector<Pose3>> read_pose_file(const std::filesystem::path& path) {
+Expected<PoseList> read_pose_file(const std::filesystem::path& path) {
   const auto bytes = read_file(path, kMaxPoseFileBytes);
   if (!bytes) return pass_up(bytes.error());
-  return read_poses(bytes->view(), shown(path));
-}
-
-std::vector<std::int64_t> read_stamps_ns(const std::filesystem::path& path) {
-  const auto bytes = read_file(path, kMaxPoseFileBytes);
-  if (!bytes || guess_pose_layout(bytes->view()) != PoseLayout::kTum) return {};
-  const auto list = read_pose_list(bytes->view(), shown(path));
-  return list ? stamps_ns_of(*list).value_or(std::vector<std::int64_t>()) : std::vector<std::int64_t>();
+  return read_pose_list(bytes->view(), shown(path));
 }
 
 }  // namespace kilter

@@ -4,10 +4,9 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <vector>
 
 #include "kilter/base/expected.h"
-#include "kilter/geometry/pose3.h"
+#include "kilter/io/pose_list.h"
 
 namespace kilter {
 
@@ -17,10 +16,7 @@ inline constexpr std::uint64_t kMaxPoseFileBytes = std::uint64_t{1} << 30;
 /// The one file `poses.*` of a folder. \return its path, or kNotFound, kUnsupported (several), kIo.
 [[nodiscard]] Expected<std::filesystem::path> find_pose_file(const std::filesystem::path& folder);
 
-/// Reads a whole file of poses. \return what read_poses gives, or what read_file fails with.
-[[nodiscard]] Expected<std::vector<Pose3>> read_pose_file(const std::filesystem::path& path);
-
-/// The stamps of a file of poses; none where its layout has none, or where it cannot be read. [ns]
-[[nodiscard]] std::vector<std::int64_t> read_stamps_ns(const std::filesystem::path& path);
+/// Reads a whole file of poses. \return what read_pose_list gives, or what read_file fails with.
+[[nodiscard]] Expected<PoseList> read_pose_file(const std::filesystem::path& path);
 
 }  // namespace kilter

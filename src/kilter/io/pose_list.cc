@@ -46,10 +46,17 @@ std::size_t count_cells(std::string_view line, char separator) {
   return count;
 }
 
+// "t x y z qx qy qz qw" tells nothing that the number of columns does not; and rows without a heading may have
+// comments behind them, and stamps below zero.
+bool is_order_of_tum(const PoseColumns& columns) {
+  constexpr std::array<std::size_t, 7> kPose = {1, 2, 3, 4, 5, 6, 7};
+  return columns.count == 8 && columns.stamp == 0 && !columns.unit && std::ranges::equal(columns.pose, kPose);
+}
+
 // A heading may stand in a comment: "# timestamp [ns], p_RS_R_x [m], ...".
 bool is_heading_of(std::string_view comment, std::string_view row) {
   const Expected<PoseColumns> columns = parse_heading(comment);
-  return columns && columns->count == count_cells(row, columns->separator);
+  return columns && columns->count == count_cells(row, columns->separator) && !is_order_of_tum(*columns);
 }
 
 // Whether the first line that is no comment begins with a word: a heading, if anything.
@@ -140,9 +147,11 @@ Expected<PoseList> read_pose_list(std::string_view bytes, const std::string& whe
   return list;
 }
 
+StampUnit stamp_unit_of(const PoseTable& poses) { return poses.unit.value_or(guess_unit(poses.stamps)); }
+
 std::optional<std::vector<std::int64_t>> stamps_ns_of(const PoseTable& poses) {
   if (poses.stamps.empty()) return std::nullopt;
-  return to_nanoseconds(poses.stamps, poses.unit.value_or(guess_unit(poses.stamps)));
+  return to_nanoseconds(poses.stamps, stamp_unit_of(poses));
 }
 
 }  // namespace kilter

@@ -39,8 +39,10 @@ struct PoseList : PoseTable {
 ///          as TUM or KITTI, which says what is wrong with it.
 [[nodiscard]] Expected<PoseList> read_pose_list(std::string_view bytes, const std::string& where);
 
-/// The stamps of a list in nanoseconds, in the unit that its heading says or that is most likely; nothing without
-/// stamps, or where one does not fit.
+/// The unit of a list's stamps: what its heading says, else what is most likely.
+[[nodiscard]] StampUnit stamp_unit_of(const PoseTable& poses);
+
+/// The stamps of a list in nanoseconds, by stamp_unit_of; nothing without stamps, or where one does not fit.
 [[nodiscard]] std::optional<std::vector<std::int64_t>> stamps_ns_of(const PoseTable& poses);
 
 }  // namespace kilter

@@ -34,6 +34,7 @@ struct RobotLog {
   std::vector<Pose3> T_world_cloud;
   /// When each cloud was taken, where its source tells; else empty. Unix time or any other zero. [ns]
   std::vector<std::int64_t> stamps_ns;
+  std::string stamp_unit;  ///< in which the source wrote them, known or guessed: "s", "ms", "us", "ns"; else empty
   /// What the source held before clouds and poses were brought together; equal to the size above where each had one.
   std::size_t clouds_found = 0;
   std::size_t poses_found = 0;

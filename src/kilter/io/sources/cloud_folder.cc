@@ -73,10 +73,10 @@ Expected<std::vector<std::string>> list_clouds_of(const fs::path& folder) {
 }
 
 Expected<void> pair_by_number(RobotLog& log, const fs::path& folder, std::span<const std::string> names,
-                              std::span<const NumberedPose> poses, std::span<const std::int64_t> stamps_ns,
-                              const PoseOrigin& origin, std::vector<std::string>& notes) {
+                              std::span<const NumberedPose> poses, const Stamps& stamps, const PoseOrigin& origin,
+                              std::vector<std::string>& notes) {
   KILTER_EXPECTS(!names.empty() && !poses.empty());
-  KILTER_EXPECTS(stamps_ns.empty() || stamps_ns.size() == poses.size());
+  KILTER_EXPECTS(stamps.ns.empty() || stamps.ns.size() == poses.size());
   std::vector<std::string> sorted(names.begin(), names.end());
   sort_by_number(sorted);
   std::vector<fs::path> paths;
@@ -86,9 +86,10 @@ Expected<void> pair_by_number(RobotLog& log, const fs::path& folder, std::span<c
     const NumberedPose* pose = find_pose(poses, *id);
     if (pose == nullptr) continue;
     log.T_world_cloud.push_back(pose->T_world_cloud);
-    if (!stamps_ns.empty()) log.stamps_ns.push_back(stamps_ns[static_cast<std::size_t>(pose - poses.data())]);
+    if (!stamps.ns.empty()) log.stamps_ns.push_back(stamps.ns[static_cast<std::size_t>(pose - poses.data())]);
     paths.push_back(folder / name);
   }
+  log.stamp_unit = stamps.unit;
   log.clouds_found = sorted.size();
   log.poses_found = poses.size();
   if (paths.empty()) {
@@ -117,8 +118,8 @@ std::vector<NumberedPose> number_from_zero(std::span<const Pose3> poses) {
   return numbered;
 }
 
-std::vector<std::int64_t> read_stamps_if_any(const fs::path& file, std::size_t count, const std::string& robot,
-                                             std::vector<std::string>& notes) {
+Stamps read_stamps_if_any(const fs::path& file, std::size_t count, const std::string& robot,
+                          std::vector<std::string>& notes) {
   if (!is_file(file)) return {};
   const auto bytes = read_file(file, kMaxPoseFileBytes);
   if (!bytes) return {};
@@ -128,7 +129,16 @@ std::vector<std::int64_t> read_stamps_if_any(const fs::path& file, std::size_t c
                                 shown(file.filename()), count));
     return {};
   }
-  return to_nanoseconds(*stamps, guess_unit(*stamps)).value_or(std::vector<std::int64_t>{});
+  const StampUnit unit = guess_unit(*stamps);
+  auto stamps_ns = to_nanoseconds(*stamps, unit);
+  return stamps_ns ? Stamps{*std::move(stamps_ns), symbol_of(unit)} : Stamps{};
+}
+
+void take_stamps(RobotLog& log, const PoseTable& poses) {
+  auto stamps_ns = stamps_ns_of(poses);
+  if (!stamps_ns) return;
+  log.stamps_ns = *std::move(stamps_ns);
+  log.stamp_unit = symbol_of(stamp_unit_of(poses));
 }
 
 std::string matched_note(const RobotLog& log, std::string_view by) {

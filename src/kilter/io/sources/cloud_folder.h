@@ -11,6 +11,7 @@
 
 #include "kilter/base/expected.h"
 #include "kilter/io/numbered_pose.h"
+#include "kilter/io/pose_table.h"
 #include "kilter/submap/robot_log.h"
 
 namespace kilter {
@@ -27,17 +28,23 @@ struct PoseOrigin {
   std::string_view id_word = "vertex";  ///< what a number in it means: "vertex", "pose"
 };
 
+/// When poses were taken, and the unit in which that was written.
+struct Stamps {
+  std::vector<std::int64_t> ns;
+  std::string_view unit;  ///< as RobotLog::stamp_unit
+};
+
 /// Gives each cloud whose name is a number ("000012.ply") the pose of that number, in order of the numbers. Clouds
 /// without a pose are left out, with a note; poses without a cloud are passed over.
 ///
 /// Fills `log` (poses, counts, reading from files; stamps if given) under the name that it has.
-/// \param names      of clouds in `folder`, in any order
-/// \param poses      ascending by id
-/// \param stamps_ns  empty, or one for each pose
+/// \param names   of clouds in `folder`, in any order
+/// \param poses   ascending by id
+/// \param stamps  none, or one for each pose
 /// \return  nothing; or kUnsupported (a name that is no number), kCountMismatch (no cloud has a pose).
 [[nodiscard]] Expected<void> pair_by_number(RobotLog& log, const std::filesystem::path& folder,
                                             std::span<const std::string> names, std::span<const NumberedPose> poses,
-                                            std::span<const std::int64_t> stamps_ns, const PoseOrigin& origin,
+                                            const Stamps& stamps, const PoseOrigin& origin,
                                             std::vector<std::string>& notes);
 
 /// Sorts names that are all numbers by them, so that 2.pcd comes before 10.pcd; leaves others as they are.
@@ -49,8 +56,11 @@ void sort_by_number(std::vector<std::string>& names);
 /// A file of stamps, one a line, in nanoseconds by the unit that is most likely. Stamps serve only to tell when clouds
 /// were taken, so a file that is missing or is no such list, or has not `count` lines, gives none; a note says so
 /// unless the file is missing.
-[[nodiscard]] std::vector<std::int64_t> read_stamps_if_any(const std::filesystem::path& file, std::size_t count,
-                                                           const std::string& robot, std::vector<std::string>& notes);
+[[nodiscard]] Stamps read_stamps_if_any(const std::filesystem::path& file, std::size_t count, const std::string& robot,
+                                        std::vector<std::string>& notes);
+
+/// Gives `log` the stamps of a list of poses, if it has any, and their unit.
+void take_stamps(RobotLog& log, const PoseTable& poses);
 
 /// "robot a: poses matched 3 of 5 clouds by stamp; the other 2 are left out".
 [[nodiscard]] std::string matched_note(const RobotLog& log, std::string_view by);

@@ -163,6 +163,7 @@ Expected<RobotLog> open_glim_dump(const SourceRequest& request, std::vector<std:
     points.push_back(*file);
   }
   if (log.stamps_ns.size() != log.T_world_cloud.size()) log.stamps_ns.clear();
+  if (!log.stamps_ns.empty()) log.stamp_unit = symbol_of(StampUnit::kSeconds);
   log.clouds_found = log.poses_found = points.size();
   note_missing(log, request.path, notes);
   note_coarse_poses(log, "data.txt", notes);

@@ -15,6 +15,7 @@
 #include "kilter/io/pose_numbers.h"
 #include "kilter/io/sources/cloud_folder.h"
 #include "kilter/io/sources/numbered_folders.h"
+#include "kilter/io/stamp_text.h"
 
 namespace kilter {
 namespace {
@@ -144,6 +145,7 @@ Expected<RobotLog> open_hdl_dump(const SourceRequest& request, std::vector<std::
     if (frame.stamp_ns) log.stamps_ns.push_back(*frame.stamp_ns);
   }
   if (log.stamps_ns.size() != all->frames.size()) log.stamps_ns.clear();
+  if (!log.stamps_ns.empty()) log.stamp_unit = symbol_of(StampUnit::kNanoseconds);  // beside whole seconds
   log.clouds_found = log.poses_found = all->frames.size();
   note_coarse_poses(log, "the files `data`", notes);
   std::vector<fs::path> clouds;

@@ -116,9 +116,8 @@ Expected<RobotLog> open_kitti_sequence(const SourceRequest& request, std::vector
   for (Pose3& pose : *poses) pose = T_cam0_velo->inverse() * pose * *T_cam0_velo;
   RobotLog log;
   log.name = request.name;
-  const auto stamps_ns = read_stamps_if_any(request.path / "times.txt", poses->size(), log.name, notes);
-  if (auto ok = pair_by_number(log, scans, *names, number_from_zero(*poses), stamps_ns, {*pose_file, "pose"}, notes);
-      !ok)
+  const Stamps stamps = read_stamps_if_any(request.path / "times.txt", poses->size(), log.name, notes);
+  if (auto ok = pair_by_number(log, scans, *names, number_from_zero(*poses), stamps, {*pose_file, "pose"}, notes); !ok)
     return pass_up(ok.error());
   return log;
 }

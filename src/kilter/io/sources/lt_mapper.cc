@@ -24,7 +24,7 @@ Expected<SessionPoses> read_session_poses(const SourceRequest& request, std::vec
   if (is_file(optimized)) {
     const auto poses = read_pose_file(optimized);
     if (!poses) return pass_up(poses.error());
-    return SessionPoses{number_from_zero(*poses), {optimized, "pose"}};
+    return SessionPoses{number_from_zero(poses->T_world_cloud), {optimized, "pose"}};
   }
   const fs::path graph = request.path / "singlesession_posegraph.g2o";
   const auto bytes = read_file(graph, kMaxPoseFileBytes);
@@ -53,9 +53,8 @@ Expected<RobotLog> open_lt_mapper_session(const SourceRequest& request, std::vec
   if (!session) return pass_up(session.error());
   RobotLog log;
   log.name = request.name;
-  const std::vector<std::int64_t> stamps_ns =
-      read_stamps_if_any(request.path / "times.txt", session->poses.size(), log.name, notes);
-  if (auto ok = pair_by_number(log, scans, *names, session->poses, stamps_ns, session->origin, notes); !ok)
+  const Stamps stamps = read_stamps_if_any(request.path / "times.txt", session->poses.size(), log.name, notes);
+  if (auto ok = pair_by_number(log, scans, *names, session->poses, stamps, session->origin, notes); !ok)
     return pass_up(ok.error());
   return log;
 }

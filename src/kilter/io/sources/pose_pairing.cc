@@ -52,7 +52,7 @@ void pair_in_order(const Pairing& pairing) {
   for (std::size_t i = 0; i < pairing.names.size(); ++i) {
     keep(pairing, paths, pairing.names[i], pairing.poses.T_world_cloud[i]);
   }
-  if (const auto stamps_ns = stamps_ns_of(pairing.poses)) pairing.log.stamps_ns = *stamps_ns;
+  take_stamps(pairing.log, pairing.poses);
   read_from_files(pairing.log, std::move(paths));
 }
 
@@ -78,6 +78,7 @@ Expected<void> pair_by_file(const Pairing& pairing, std::vector<std::string>& no
     keep(pairing, paths, name, pairing.poses.T_world_cloud[*row]);
     if (stamps_ns) pairing.log.stamps_ns.push_back((*stamps_ns)[*row]);
   }
+  if (stamps_ns) pairing.log.stamp_unit = symbol_of(stamp_unit_of(pairing.poses));
   if (paths.empty()) {
     return fail(ErrorCode::kCountMismatch,
                 fmt::format("it names {}, but the clouds are {}", some_of(pairing.poses.files), some_of(pairing.names)),
@@ -136,6 +137,7 @@ bool match_stamps(const Pairing& pairing, const StampSides& sides, bool exactly)
     keep(pairing, paths, pairing.names[cloud.index], *pose);
     pairing.log.stamps_ns.push_back(cloud.stamp_ns);
   }
+  pairing.log.stamp_unit = symbol_of(sides.cloud_unit);
   if (paths.empty()) return false;
   read_from_files(pairing.log, std::move(paths));
   return true;
@@ -144,7 +146,7 @@ bool match_stamps(const Pairing& pairing, const StampSides& sides, bool exactly)
 StampSides sides_of(const Pairing& pairing, std::vector<StampText> clouds) {
   StampSides sides;
   sides.cloud_unit = guess_unit(clouds);
-  sides.pose_unit = pairing.poses.unit.value_or(guess_unit(pairing.poses.stamps));
+  sides.pose_unit = stamp_unit_of(pairing.poses);
   sides.clouds = std::move(clouds);
   return sides;
 }

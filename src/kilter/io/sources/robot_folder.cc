@@ -12,6 +12,7 @@
 #include "kilter/io/number_text.h"
 #include "kilter/io/octree_reader.h"
 #include "kilter/io/pose_file.h"
+#include "kilter/io/sources/cloud_folder.h"
 
 namespace kilter {
 namespace {
@@ -90,6 +91,20 @@ void note_oddities(const CloudList& list, const std::string& robot, const std::s
   }
 }
 
+// Clouds and poses pair in order, which a column of names must not contradict.
+Expected<void> check_names(const std::vector<std::string>& clouds, const PoseList& poses, const fs::path& pose_file) {
+  for (std::size_t i = 0; i < poses.files.size(); ++i) {
+    const std::string& named = poses.files[i];
+    if (named == clouds[i] || named == clouds[i].substr(0, clouds[i].rfind('.'))) continue;
+    return fail(ErrorCode::kCountMismatch,
+                fmt::format("pose {} (the first being 0) names {}, but cloud {} is {}", i, printable(named, 80), i,
+                            printable(clouds[i], 80)),
+                shown(pose_file),
+                "order its lines as the clouds' names sort bytewise, or leave the column of names out");
+  }
+  return {};
+}
+
 }  // namespace
 
 bool is_robot_folder(const fs::path& folder) { return is_folder(folder / "scans") || is_folder(folder / "submaps"); }
@@ -108,10 +123,12 @@ Expected<RobotLog> open_robot_folder(const SourceRequest& request, std::vector<s
   if (!pose_file) return pass_up(pose_file.error());
   auto poses = read_pose_file(*pose_file);
   if (!poses) return pass_up(poses.error());
-  if (poses->size() != list->files.size()) return refuse_counts(list->files, poses->size(), *pose_file, clouds);
+  const std::size_t count = poses->T_world_cloud.size();
+  if (count != list->files.size()) return refuse_counts(list->files, count, *pose_file, clouds);
+  if (auto ok = check_names(list->files, *poses, *pose_file); !ok) return pass_up(ok.error());
   note_oddities(*list, log.name, clouds.filename().string(), notes);
-  log.T_world_cloud = *std::move(poses);
-  log.stamps_ns = read_stamps_ns(*pose_file);
+  take_stamps(log, *poses);
+  log.T_world_cloud = std::move(poses->T_world_cloud);
   std::vector<fs::path> paths;
   for (const std::string& file : list->files) paths.push_back(clouds / file);
   if (log.finished_submaps && has_octree_name(list->files.front())) {
