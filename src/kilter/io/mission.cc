@@ -128,22 +128,34 @@ Expected<std::vector<fs::path>> robots_inside(const fs::path& folder) {
   return own.empty() ? other : own;
 }
 
-// Folders of robots among a folder's folders: what should have been named instead of it.
-std::vector<std::string> missions_inside(const fs::path& folder) {
+bool is_mission(const fs::path& path) {
+  if (!is_folder(path)) return false;
+  const auto robots = robots_inside(path);
+  return robots && !robots->empty();
+}
+
+// A bag, a tree, a whole map.
+bool is_source_file(const fs::path& path) {
+  const SourceKind* kind = is_file(path) ? recognise(path) : nullptr;
+  return kind != nullptr && kind->open != refuse_foreign_file;
+}
+
+// What of a folder's content should have been named instead of it.
+std::vector<std::string> find_inside(const fs::path& folder, bool (*is_wanted)(const fs::path&)) {
   constexpr std::size_t kMostLookedAt = 32;
-  std::vector<std::string> missions;
+  std::vector<std::string> found;
   const auto names = list_folder(folder);
   for (std::size_t i = 0; names && i < std::min(names->size(), kMostLookedAt); ++i) {
     const fs::path inside = folder / (*names)[i];
-    if ((*names)[i].starts_with('.') || !is_folder(inside)) continue;
-    if (const auto robots = robots_inside(inside); robots && !robots->empty()) missions.push_back(shown(inside));
+    if (!(*names)[i].starts_with('.') && is_wanted(inside)) found.push_back(shown(inside));
   }
-  return missions;
+  return found;
 }
 
 // A folder of scans is named more often than the one above it that has the poses.
 tl::unexpected<Error> refuse_folder(const fs::path& path) {
-  if (const auto clouds = list_clouds_of(path)) {
+  const auto clouds = list_clouds_of(path);
+  if (clouds) {
     return fail(ErrorCode::kNotFound,
                 fmt::format("{} cloud{} in it ({}), but no list of poses beside them", clouds->size(),
                             clouds->size() == 1 ? "" : "s", some_of(*clouds)),
@@ -151,9 +163,17 @@ tl::unexpected<Error> refuse_folder(const fs::path& path) {
                 "put poses.txt there with lines `t x y z qx qy qz qw`, one for each cloud in order, or name the folder "
                 "above if the poses are there");
   }
-  const std::vector<std::string> missions = missions_inside(path);
-  return fail(ErrorCode::kEmptyInput, "no robot: neither it nor a folder in it holds scans/ or submaps/", shown(path),
-              missions.empty() ? known_kinds() : "one level further down there are robots, in " + some_of(missions));
+  const std::string what = "no robot: neither it nor a folder in it holds scans/ or submaps/";
+  if (const auto missions = find_inside(path, is_mission); !missions.empty()) {
+    return fail(ErrorCode::kEmptyInput, what, shown(path),
+                "one level further down there are robots, in " + some_of(missions));
+  }
+  if (clouds.error().code == ErrorCode::kUnsupported) return pass_up(clouds.error());
+  if (const auto files = find_inside(path, is_source_file); !files.empty()) {
+    return fail(ErrorCode::kEmptyInput, what, shown(path),
+                "files are named one by one, each a robot: " + some_of(files));
+  }
+  return fail(ErrorCode::kEmptyInput, what, shown(path), known_kinds());
 }
 
 Expected<void> check_topics(const FoundRobot& robot) {
@@ -175,8 +195,9 @@ Expected<std::vector<FoundRobot>> robots_of_named(const std::string& name, const
   }
   const SourceKind* kind = recognise(path);
   if (kind == nullptr && !is_folder(path)) return refuse_file(path);
-  if (kind == nullptr && list_clouds_of(path)) return refuse_folder(path);
   if (kind == nullptr) {
+    const auto clouds = list_clouds_of(path);
+    if (clouds || clouds.error().code == ErrorCode::kUnsupported) return refuse_folder(path);
     return fail(ErrorCode::kNotFound, "expected scans/ or submaps/ in it, or another kind of source, found neither",
                 shown(path), known_kinds());
   }

@@ -85,6 +85,21 @@ TEST(OpenMission, PairsEachScanWithItsPose) {
   EXPECT_EQ(robot.cloud_name(2), (folder.path() / "a/scans/000002.pcd").string());
 }
 
+TEST(OpenMission, TellsToNameTheFilesOfAFolderOneByOne) {
+  const TempFolder folder;
+  folder.write("maps/a.ot", "");
+  folder.write("maps/b.bt", "");
+  expect_error(open_mission({(folder.path() / "maps").string()}), ErrorCode::kEmptyInput,
+               "maps/a.ot, " + (folder.path() / "maps/b.bt").string());
+}
+
+TEST(OpenMission, NamesTwoFormatsInAFolderWithoutPoses) {
+  const TempFolder folder;
+  folder.write("maps/a.pcd", scan(0));
+  folder.write("maps/b.ply", "");
+  expect_error(open_mission({(folder.path() / "maps").string()}), ErrorCode::kUnsupported, "found a.pcd and b.ply");
+}
+
 TEST(OpenMission, ReadsCloudsFromSeveralThreads) {
   const TempFolder folder;
   write_robot(folder, "a", 20);

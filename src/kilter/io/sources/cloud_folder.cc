@@ -14,6 +14,7 @@
 #include "kilter/io/log_from_files.h"
 #include "kilter/io/number_text.h"
 #include "kilter/io/pose_file.h"
+#include "kilter/io/sources/foreign_file.h"
 #include "kilter/io/stamp_text.h"
 
 namespace kilter {
@@ -68,8 +69,12 @@ Expected<std::vector<std::string>> list_clouds_of(const fs::path& folder) {
     }
     clouds.push_back(name);
   }
-  if (clouds.empty()) return fail(ErrorCode::kEmptyInput, "no cloud in it", shown(folder));
-  return clouds;
+  if (!clouds.empty()) return clouds;
+  if (const ForeignFormat* format = find_foreign(*names)) {
+    return fail(ErrorCode::kUnsupported, fmt::format("no cloud in it that kilter reads, but {}", format->what),
+                shown(folder), std::string(format->way_out));
+  }
+  return fail(ErrorCode::kEmptyInput, "no cloud in it", shown(folder));
 }
 
 Expected<void> pair_by_number(RobotLog& log, const fs::path& folder, std::span<const std::string> names,

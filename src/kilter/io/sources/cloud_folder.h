@@ -18,8 +18,8 @@ namespace kilter {
 
 /// Names of a folder's clouds, bytewise sorted; of one format, that of the first. Hidden files are passed over.
 ///
-/// \return  at least one name; or kEmptyInput, kUnsupported (two formats, a cloud's name on what is no file), or what
-///          list_folder fails with.
+/// \return  at least one name; or kEmptyInput, kUnsupported (two formats, a cloud's name on what is no file, files that
+///          have to be converted), or what list_folder fails with.
 [[nodiscard]] Expected<std::vector<std::string>> list_clouds_of(const std::filesystem::path& folder);
 
 /// Where poses come from, for messages.

@@ -13,12 +13,6 @@
 namespace kilter {
 namespace {
 
-struct ForeignFormat {
-  std::string_view extension;
-  std::string_view what;
-  std::string_view way_out;
-};
-
 constexpr std::array kForeign = {
     ForeignFormat{".laz", "compressed LAS",
                   "decompress each file: `laszip -i IN.laz -o OUT.las`, or `pdal translate IN.laz OUT.las`"},
@@ -32,8 +26,8 @@ constexpr std::array kForeign = {
                   "export it: `rtabmap-export --scan --poses --poses_format 11 FILE.db`, then name the folder"},
 };
 
-const ForeignFormat* find_foreign(const std::filesystem::path& path) {
-  const std::string name = lower_case(path.filename().native());
+const ForeignFormat* format_of(std::string_view file_name) {
+  const std::string name = lower_case(file_name);
   const auto found = std::find_if(kForeign.begin(), kForeign.end(),
                                   [&](const ForeignFormat& format) { return name.ends_with(format.extension); });
   return found == kForeign.end() ? nullptr : &*found;
@@ -41,10 +35,23 @@ const ForeignFormat* find_foreign(const std::filesystem::path& path) {
 
 }  // namespace
 
-bool is_foreign_file(const std::filesystem::path& path) { return is_file(path) && find_foreign(path) != nullptr; }
+const ForeignFormat* find_foreign(std::span<const std::string> names) {
+  const auto found =
+      std::find_if(names.begin(), names.end(), [](const std::string& name) { return format_of(name) != nullptr; });
+  return found == names.end() ? nullptr : format_of(*found);
+}
+
+std::string way_out_of_foreign(std::span<const std::string> names) {
+  const ForeignFormat* format = find_foreign(names);
+  return format == nullptr ? std::string() : std::string(format->way_out);
+}
+
+bool is_foreign_file(const std::filesystem::path& path) {
+  return is_file(path) && format_of(path.filename().native()) != nullptr;
+}
 
 Expected<RobotLog> refuse_foreign_file(const SourceRequest& request, std::vector<std::string>& /*notes*/) {
-  const ForeignFormat* format = find_foreign(request.path);
+  const ForeignFormat* format = format_of(request.path.filename().native());
   if (format == nullptr) return fail(ErrorCode::kUnsupported, "not a format that kilter reads", shown(request.path));
   return fail(ErrorCode::kUnsupported, fmt::format("this is {}, which kilter does not read", format->what),
               shown(request.path), std::string(format->way_out));

@@ -13,6 +13,7 @@
 #include "kilter/io/octree_reader.h"
 #include "kilter/io/pose_file.h"
 #include "kilter/io/sources/cloud_folder.h"
+#include "kilter/io/sources/foreign_file.h"
 
 namespace kilter {
 namespace {
@@ -64,7 +65,7 @@ Expected<CloudList> list_clouds(const fs::path& folder, bool finished_submaps) {
       finished_submaps ? "no .ot, .bt, .pcd, .ply or .las file" : "no .bin, .pcd, .ply or .las file";
   return fail(ErrorCode::kEmptyInput,
               list.ignored.empty() ? expected : fmt::format("{}, only {}", expected, some_of(list.ignored)),
-              shown(folder));
+              shown(folder), way_out_of_foreign(list.ignored));
 }
 
 // Names like 1, 2, 10 sort bytewise as 1, 10, 2, which is what counts here but seldom what was meant.
