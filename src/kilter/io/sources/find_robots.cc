@@ -1,0 +1,254 @@
+// SPDX-FileCopyrightText: The kilter authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "kilter/io/sources/find_robots.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <iterator>
+#include <optional>
+#include <system_error>
+#include <utility>
+
+#include "kilter/io/file.h"
+#include "kilter/io/sources/cloud_folder.h"
+#include "kilter/io/sources/foreign_file.h"
+#include "kilter/io/sources/robot_folder.h"
+
+namespace kilter {
+namespace {
+
+namespace fs = std::filesystem;
+
+// "run.bag#/points#/odom": a path, and topics of the bag there.
+struct PathAndTopics {
+  fs::path path;
+  std::vector<std::string> topics;
+};
+
+PathAndTopics split_topics(const std::string& text) {
+  PathAndTopics parts{text, {}};
+  std::error_code error;
+  // A file may be called so.
+  if (text.find("#/") == std::string::npos || fs::exists(text, error)) return parts;
+  parts.path = text.substr(0, text.find("#/"));
+  for (std::size_t at = text.find("#/"); at != std::string::npos;) {
+    const std::size_t next = text.find("#/", at + 1);
+    parts.topics.push_back(text.substr(at + 1, next == std::string::npos ? next : next - at - 1));
+    at = next;
+  }
+  return parts;
+}
+
+// Names become JSON keys like "a,b", folders of --poses and cells of CSV files. \return what is wrong, or nothing.
+std::optional<std::string> find_fault(const std::string& name) {
+  if (name.empty()) return "it is empty";
+  if (name == "." || name == "..") return "it stands for a folder";
+  if (name.find('/') != std::string::npos) return "it holds a '/'";
+  if (name.find(',') != std::string::npos) return "it holds a comma";
+  if (printable(name, name.size()) != name) return "it holds control characters or is not UTF-8";
+  return std::nullopt;
+}
+
+// The last part of a path that is a name: "b" of "a/b/", and of "." the folder that it is.
+std::string name_of_folder(const fs::path& folder) {
+  const fs::path last = folder.has_filename() ? folder.filename() : folder.parent_path().filename();
+  if (!last.empty() && last != "." && last != "..") return last.string();
+  std::error_code error;
+  return fs::canonical(folder, error).filename().string();
+}
+
+// A file is called as its robot without its extension.
+std::string name_of_path(const fs::path& path) { return is_file(path) ? path.stem().string() : name_of_folder(path); }
+
+Expected<FoundRobot> robot_from_path(const fs::path& path, const SourceKind& kind) {
+  const std::string name = name_of_path(path);
+  if (const auto fault = find_fault(name)) {
+    return fail(ErrorCode::kUnsupported,
+                fmt::format("this {}'s name cannot be a robot's: {}", is_file(path) ? "file" : "folder", *fault),
+                shown(path), "give the robot another name: NAME=PATH");
+  }
+  return FoundRobot{name, path, &kind, {}};
+}
+
+Expected<void> check_exists(const fs::path& path) {
+  std::error_code error;
+  const fs::file_status status = fs::status(path, error);
+  if (status.type() == fs::file_type::not_found) {
+    return fail(ErrorCode::kNotFound, "there is no such file or folder", shown(path));
+  }
+  if (error) return fail(ErrorCode::kIo, fmt::format("cannot be read: {}", error.message()), shown(path));
+  return {};
+}
+
+tl::unexpected<Error> refuse_file(const fs::path& path) {
+  return fail(ErrorCode::kUnsupported, "expected a folder or a file of a kind that kilter reads, found another file",
+              shown(path), known_kinds());
+}
+
+// Programs leave a link `latest` beside the folder that it leads to; both would be one robot twice.
+bool leads_to_neighbour(const fs::path& entry) {
+  std::error_code error;
+  if (!fs::is_symlink(entry, error)) return false;
+  const fs::path target = fs::canonical(entry, error);
+  const fs::path folder = fs::canonical(entry.parent_path(), error);
+  return !error && target.parent_path() == folder;
+}
+
+// Robot folders among a folder's folders; if there are none, folders of any other kind.
+Expected<std::vector<fs::path>> robots_inside(const fs::path& folder) {
+  const auto names = list_folder(folder);
+  if (!names) return pass_up(names.error());
+  std::vector<fs::path> own;
+  std::vector<fs::path> other;
+  for (const std::string& name : *names) {
+    if (name.starts_with('.') || !is_folder(folder / name) || leads_to_neighbour(folder / name)) continue;
+    const SourceKind* kind = recognise(folder / name);
+    if (kind != nullptr) (kind->open == open_robot_folder ? own : other).push_back(folder / name);
+  }
+  return own.empty() ? other : own;
+}
+
+bool is_mission(const fs::path& path) {
+  if (!is_folder(path)) return false;
+  const auto robots = robots_inside(path);
+  return robots && !robots->empty();
+}
+
+// A bag, a tree, a whole map.
+bool is_source_file(const fs::path& path) {
+  const SourceKind* kind = is_file(path) ? recognise(path) : nullptr;
+  return kind != nullptr && kind->open != refuse_foreign_file;
+}
+
+// What of a folder's content should have been named instead of it.
+std::vector<std::string> find_inside(const fs::path& folder, bool (*is_wanted)(const fs::path&)) {
+  constexpr std::size_t kMostLookedAt = 32;
+  std::vector<std::string> found;
+  const auto names = list_folder(folder);
+  for (std::size_t i = 0; names && i < std::min(names->size(), kMostLookedAt); ++i) {
+    const fs::path inside = folder / (*names)[i];
+    if (!(*names)[i].starts_with('.') && is_wanted(inside)) found.push_back(shown(inside));
+  }
+  return found;
+}
+
+// A folder of scans is named more often than the one above it that has the poses.
+tl::unexpected<Error> refuse_folder(const fs::path& path) {
+  const auto clouds = list_clouds_of(path);
+  if (clouds) {
+    return fail(ErrorCode::kNotFound,
+                fmt::format("{} cloud{} in it ({}), but no list of poses beside them", clouds->size(),
+                            clouds->size() == 1 ? "" : "s", some_of(*clouds)),
+                shown(path),
+                "put poses.txt there with lines `t x y z qx qy qz qw`, one for each cloud in order, or name the folder "
+                "above if the poses are there");
+  }
+  const std::string what = "no robot: neither it nor a folder in it holds scans/ or submaps/";
+  if (const auto missions = find_inside(path, is_mission); !missions.empty()) {
+    return fail(ErrorCode::kEmptyInput, what, shown(path),
+                "one level further down there are robots, in " + some_of(missions));
+  }
+  if (clouds.error().code == ErrorCode::kUnsupported) return pass_up(clouds.error());
+  if (const auto files = find_inside(path, is_source_file); !files.empty()) {
+    return fail(ErrorCode::kEmptyInput, what, shown(path),
+                "files are named one by one, each a robot: " + some_of(files));
+  }
+  return fail(ErrorCode::kEmptyInput, what, shown(path), known_kinds());
+}
+
+Expected<void> check_topics(const FoundRobot& robot) {
+  if (robot.topics.empty() || robot.kind->has_topics) return {};
+  return fail(ErrorCode::kUsage,
+              fmt::format("#{} names a topic, but this is a {}, not a bag", printable(robot.topics.front(), 80),
+                          robot.kind->name),
+              shown(robot.path));
+}
+
+Expected<std::vector<FoundRobot>> robots_of_named(const std::string& name, const PathAndTopics& parts) {
+  const fs::path& path = parts.path;
+  if (const auto fault = find_fault(name)) {
+    return fail(ErrorCode::kUsage, fmt::format("\"{}\" cannot be a robot's name: {}", printable(name, 80), *fault));
+  }
+  if (auto ok = check_exists(path); !ok) {
+    ok.error().hint = fmt::format("a folder whose own name has a '=' is written ./{}=...", printable(name, 80));
+    return pass_up(std::move(ok.error()));
+  }
+  const SourceKind* kind = recognise(path);
+  if (kind == nullptr && !is_folder(path)) return refuse_file(path);
+  if (kind == nullptr) {
+    const auto clouds = list_clouds_of(path);
+    if (clouds || clouds.error().code == ErrorCode::kUnsupported) return refuse_folder(path);
+    return fail(ErrorCode::kNotFound, "expected scans/ or submaps/ in it, or another kind of source, found neither",
+                shown(path), known_kinds());
+  }
+  return std::vector<FoundRobot>{{name, path, kind, parts.topics}};
+}
+
+Expected<std::vector<FoundRobot>> robots_of_path(const PathAndTopics& parts) {
+  const fs::path& path = parts.path;
+  if (auto ok = check_exists(path); !ok) return pass_up(ok.error());
+  std::vector<fs::path> candidates;
+  if (recognise(path) != nullptr) {
+    candidates.push_back(path);
+  } else if (!is_folder(path)) {
+    return refuse_file(path);
+  } else {
+    auto inside = robots_inside(path);
+    if (!inside) return pass_up(inside.error());
+    candidates = *std::move(inside);
+  }
+  if (candidates.empty()) return refuse_folder(path);
+  std::vector<FoundRobot> robots;
+  for (const fs::path& candidate : candidates) {
+    Expected<FoundRobot> robot = robot_from_path(candidate, *recognise(candidate));
+    if (!robot) return pass_up(robot.error());
+    robot->topics = parts.topics;
+    robots.push_back(*std::move(robot));
+  }
+  return robots;
+}
+
+Expected<std::vector<FoundRobot>> robots_of_source(const std::string& source) {
+  const std::size_t equals = source.find('=');
+  if (equals != std::string::npos && source.find('/') > equals) {
+    return robots_of_named(source.substr(0, equals), split_topics(source.substr(equals + 1)));
+  }
+  return robots_of_path(split_topics(source));
+}
+
+}  // namespace
+
+std::string known_kinds() {
+  std::string text = "kilter reads a folder with poses.* and scans/ or submaps/";
+  for (const SourceKind& kind : source_kinds()) {
+    if (kind.open == open_robot_folder || kind.open == refuse_foreign_file) continue;
+    text += fmt::format(", {}", kind.name);
+  }
+  return text + ", and a folder of any of them, one for each robot";
+}
+
+Expected<std::vector<FoundRobot>> find_robots(const std::vector<std::string>& sources) {
+  std::vector<FoundRobot> robots;
+  for (std::size_t source = 0; source < sources.size(); ++source) {
+    auto found = robots_of_source(sources[source]);
+    if (!found) return pass_up(found.error());
+    for (FoundRobot& robot : *found) {
+      if (auto ok = check_topics(robot); !ok) return pass_up(ok.error());
+      robot.source = source;
+    }
+    std::move(found->begin(), found->end(), std::back_inserter(robots));
+  }
+  std::sort(robots.begin(), robots.end(), [](const auto& a, const auto& b) { return a.name < b.name; });
+  const auto twice =
+      std::adjacent_find(robots.begin(), robots.end(), [](const auto& a, const auto& b) { return a.name == b.name; });
+  if (twice != robots.end()) {
+    return fail(ErrorCode::kUsage,
+                fmt::format("robot \"{}\" is given twice: {} and {}", twice->name, shown(twice->path),
+                            shown(std::next(twice)->path)),
+                {}, "give one of them another name: NAME=PATH");
+  }
+  return robots;
+}
+
+}  // namespace kilter
