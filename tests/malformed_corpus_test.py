@@ -91,6 +91,8 @@ class MalformedCorpus(unittest.TestCase):
             yield f"the message does not name the file: {ending.message}"
         if sum(not line.startswith((" ", "note:")) for line in ending.message.splitlines()) != 1:
             yield f"expected one message: {ending.message}"
+        if "\n  try: " not in ending.message:
+            yield f"expected the message to say what to try: {ending.message}"
 
     def test_every_file_ends_as_its_kind_says(self) -> None:
         self.assertGreaterEqual(len(self.cases), FEWEST)

@@ -42,7 +42,11 @@ void print_message(std::string_view text) {
 void print_note(std::string_view text) { print_message(fmt::format("note: {}\n", text)); }
 
 int print_error(const Error& error) {
-  print_message(to_string(error) + '\n');
+  Error whole = error;
+  if (whole.hint.empty() && whole.code != ErrorCode::kCancelled) {
+    whole.hint = fmt::format("kilter explain {}", error_code_name(whole.code));
+  }
+  print_message(to_string(whole) + '\n');
   return exit_status(error.code);
 }
 

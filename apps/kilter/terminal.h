@@ -24,7 +24,8 @@ void print_message(std::string_view text);
 /// A line for the person, on standard error: "note: ...".
 void print_note(std::string_view text);
 
-/// The one form of error messages, on standard error: to_string(error). \return the exit status that goes with it.
+/// The one form of error messages, on standard error: to_string(error), where an error knows nothing better with
+/// `kilter explain CODE` as what to try. \return the exit status that goes with it.
 int print_error(const Error& error);
 
 }  // namespace kilter::app
