@@ -101,7 +101,9 @@ class RegisterTest(unittest.TestCase):
         done = run_kilter("register", self.root / "target.bin", self.root / "none.bin")
         self.assertEqual(done.status, 3)
         self.assertIn("none.bin", done.stderr)
-        self.assertEqual(self.register("--init", "1 2 3").status, 2)
+        done = self.register("--init", "1 2 3")
+        self.assertEqual(done.status, 2)
+        self.assertIn("--init: expected x y z qx qy qz qw", done.stderr)
         (self.root / "empty.bin").write_bytes(b"")
         self.assertEqual(run_kilter("register", self.root / "target.bin", self.root / "empty.bin").status, 3)
 

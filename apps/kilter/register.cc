@@ -118,7 +118,7 @@ Expected<CloudPair> read_clouds(const RegisterCommand& command) {
   clouds.source = *std::move(source);
   clouds.scans = command.scans;
   if (command.init) {
-    const Expected<Pose3> init = parse_pose(*command.init);
+    const Expected<Pose3> init = parse_pose(*command.init, "--init");
     if (!init) return pass_up(init.error());
     clouds.T_target_source_init = *init;
   }

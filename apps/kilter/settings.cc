@@ -21,34 +21,34 @@ std::string_view take_word(std::string_view& text) {
   return word;
 }
 
-tl::unexpected<Error> refuse_pose(const std::string& found) {
-  return fail(ErrorCode::kConfig, fmt::format("{}: expected x y z qx qy qz qw, found {}", kSensorKey, found));
+tl::unexpected<Error> refuse_pose(std::string_view name, const std::string& found) {
+  return fail(ErrorCode::kConfig, fmt::format("{}: expected x y z qx qy qz qw, found {}", name, found));
 }
 
 }  // namespace
 
-Expected<Pose3> pose_from_numbers(const std::vector<double>& numbers) {
-  if (numbers.size() != 7) return refuse_pose(fmt::format("{} numbers", numbers.size()));
+Expected<Pose3> pose_from_numbers(const std::vector<double>& numbers, std::string_view name) {
+  if (numbers.size() != 7) return refuse_pose(name, fmt::format("{} numbers", numbers.size()));
   for (const double number : numbers) {
-    if (!std::isfinite(number)) return refuse_pose("a number that is not finite");
+    if (!std::isfinite(number)) return refuse_pose(name, "a number that is not finite");
   }
   const Eigen::Quaterniond rotation(numbers[6], numbers[3], numbers[4], numbers[5]);
   if (std::abs(rotation.norm() - 1.0) > 0.01) {
-    return refuse_pose(fmt::format("a quaternion of length {:.3g}, not 1", rotation.norm()));
+    return refuse_pose(name, fmt::format("a quaternion of length {:.3g}, not 1", rotation.norm()));
   }
   return Pose3(rotation, Eigen::Vector3d(numbers[0], numbers[1], numbers[2]));
 }
 
-Expected<Pose3> parse_pose(std::string_view text) {
+Expected<Pose3> parse_pose(std::string_view text, std::string_view name) {
   std::vector<double> numbers;
   for (std::string_view word = take_word(text); !word.empty(); word = take_word(text)) {
     const std::string_view digits = word.front() == '+' ? word.substr(1) : word;
     double number = 0.0;
     const auto [end, status] = std::from_chars(digits.data(), digits.data() + digits.size(), number);
-    if (status != std::errc() || end != digits.data() + digits.size()) return refuse_pose(in_quotes(word));
+    if (status != std::errc() || end != digits.data() + digits.size()) return refuse_pose(name, in_quotes(word));
     numbers.push_back(number);
   }
-  return pose_from_numbers(numbers);
+  return pose_from_numbers(numbers, name);
 }
 
 Expected<OptionField> find_option(Settings& settings, std::string_view key) {

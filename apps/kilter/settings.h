@@ -32,12 +32,12 @@ inline constexpr std::string_view kSensorKey = "T_body_sensor";
 /// The option called `key`, bound to `settings`. \return kConfig with the nearest key.
 [[nodiscard]] Expected<OptionField> find_option(Settings& settings, std::string_view key);
 
-/// Reads seven numbers, blanks or commas between them, as T_body_sensor. [m]
+/// Reads seven numbers, blanks or commas between them, as T_body_sensor; `name` is what messages call them. [m]
 /// \return  kConfig when there are not seven finite numbers, or the quaternion is more than 1 % off unit length.
-[[nodiscard]] Expected<Pose3> parse_pose(std::string_view text);
+[[nodiscard]] Expected<Pose3> parse_pose(std::string_view text, std::string_view name = kSensorKey);
 
 /// The same from the numbers themselves.
-[[nodiscard]] Expected<Pose3> pose_from_numbers(const std::vector<double>& numbers);
+[[nodiscard]] Expected<Pose3> pose_from_numbers(const std::vector<double>& numbers, std::string_view name = kSensorKey);
 
 /// Sets keys from a TOML file: `key = number`, `key = "text"`, `key = true`; T_body_sensor is a list of seven numbers,
 /// a text, or a table of those by robot. \return kConfig, with file and line; also when the file cannot be read.
