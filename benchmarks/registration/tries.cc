@@ -9,8 +9,9 @@
 //
 //     METHOD SOURCE TARGET x y z qx qy qz qw
 //
-// (METHOD: check, search or a library's; SOURCE and TARGET: numbers of submaps; the start, T_target_source) is answered
-// by one line of JSON, at the end of its batch, which is an empty line: verdicts compare the pairs of one batch.
+// (METHOD: check, search, align or a library's; SOURCE and TARGET: numbers of submaps; the start, T_target_source) is
+// answered by one line of JSON, at the end of its batch, which is an empty line: verdicts compare the pairs of one
+// batch.
 #include <fmt/format.h>
 
 #include <array>
@@ -106,6 +107,20 @@ CandidatePair candidate_of(const Try& asked) {
   return pair;
 }
 
+// The local search alone and what it needs, made anew for this pair, as other libraries make theirs.
+std::optional<Pose3> align_alone(const Try& asked, const std::vector<Submap>& submaps, const CheckOptions& options) {
+  const Submap& from = submaps[asked.source];
+  const Submap& onto = submaps[asked.target];
+  const double reach_m = options.registration.search_distance_m;
+  const NearestVoxelSearch source(from.map, VoxelPosition::kCentroid, reach_m);
+  const NearestVoxelSearch target(onto.map, VoxelPosition::kCentroid, reach_m);
+  RegistrationPrior prior;
+  prior.up_target = onto.T_world_submap.rotation().conjugate() * Eigen::Vector3d::UnitZ();
+  const RegistrationResult result =
+      align_submaps(source, target, asked.T_target_source_start, options.registration, prior);
+  return result.converged() ? std::optional(result.T_target_source) : std::nullopt;
+}
+
 Outcome register_pair(const Try& asked, std::vector<Submap>& submaps, const SubmapSearches& searches,
                       const CheckOptions& options) {
   Outcome outcome{asked, 0.0, std::nullopt, std::nullopt};
@@ -121,6 +136,8 @@ Outcome register_pair(const Try& asked, std::vector<Submap>& submaps, const Subm
     if (outcome.measured->evidence.registered) {
       outcome.T_target_source = outcome.measured->evidence.registration->T_target_source;
     }
+  } else if (asked.method == "align") {
+    outcome.T_target_source = align_alone(asked, submaps, options);
   } else {
     outcome.T_target_source =
         align_by_peer(asked.method, submaps[asked.source].map, submaps[asked.target].map, asked.T_target_source_start);
