@@ -13,6 +13,14 @@ def basis_of(projector):
     return vectors[:, values > 0.5]
 
 
+def is_inside(row):
+    """Whether a row's truth lies in the 95 % ellipsoid, on what the scene fixes."""
+    s, S, P = (np.array(row[key]) for key in ("s", "S", "projector"))
+    F = basis_of(P)
+    z, Z = F.T @ s, F.T @ S @ F
+    return F.shape[1] == 0 or float(z @ np.linalg.solve(Z, z)) <= CHI2_95[F.shape[1] - 1]
+
+
 def calibration(rows):
     """For rows with s, S and projector: NEES per degree of freedom over all and per axis (None where no pair fixes it),
     share of truths inside the 95 % ellipsoid, and its median volume over that of the empirical error's."""
