@@ -175,10 +175,14 @@ class Output(CheckCase):
     def test_quiet_leaves_standard_error_empty(self):
         self.assertEqual(self.check("--quiet").stderr, "")
 
-    def test_any_number_of_jobs_gives_the_same_bytes(self):
+    def test_any_number_of_jobs_and_any_memory_give_the_same_bytes(self):
         one, two = self.out / "one", self.out / "two"
-        for folder, jobs in ((one, 1), (two, 2)):
-            run_kilter("check", self.tiny.mission, "-o", folder, "--jobs", jobs, "--maps", *self.settings)
+        run_kilter("check", self.tiny.mission, "-o", one, "--jobs", 1, "--maps", *self.settings)
+        # Searches take about half as much as a map: room for little more than a pair, so that the others wait on disk.
+        enough = 4 * max(submap["bytes"] for submap in read_result(one)["submaps"])
+        run = run_kilter("check", self.tiny.mission, "-o", two, "--jobs", 2, "--memory", enough, "--maps",
+                         *self.settings)
+        self.assertNotEqual(run.status, 5, run.stderr)
         names = sorted(str(path.relative_to(one)) for path in one.rglob("*") if path.is_file())
         self.assertEqual(names, sorted([*FILES, *(f"maps/{name}.{kind}" for name in ("a", "b", "global") for kind in ("ot", "ply"))]))
         for name in names:
@@ -301,6 +305,12 @@ class Trouble(CheckCase):
         self.assertEqual(run.stdout, "")
         self.assertEqual((self.out / "result.json").read_bytes(), before)
         self.assertEqual({path.name for path in self.out.iterdir()}, FILES)
+
+    def test_no_place_for_what_memory_leaves_out_is_said_and_ends_with_5(self):
+        run = self.check("--memory", "1M", environment={"TMPDIR": "/no/such/folder"})
+        self.assertEqual(run.status, 5, run.stderr)
+        self.assertRegex(run.stderr, r"(?m)^out-of-memory: /no/such/folder: submaps that --memory leaves no room for: ")
+        self.assertFalse(self.out.exists())
 
     def test_a_budget_that_does_not_do_is_said_and_ends_with_5(self):
         run = self.check("--memory", "10K")

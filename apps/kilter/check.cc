@@ -13,6 +13,7 @@
 #include <fmt/format.h>
 #include <sys/resource.h>
 
+#include "apps/kilter/available_memory.h"
 #include "apps/kilter/commands.h"
 #include "apps/kilter/common_options.h"
 #include "apps/kilter/exit_status.h"
@@ -24,6 +25,7 @@
 #include "kilter/io/file.h"
 #include "kilter/io/mission.h"
 #include "kilter/io/octree_writer.h"
+#include "kilter/io/temporary_file.h"
 #include "kilter/pipeline/check.h"
 #include "kilter/report/coloured_ply.h"
 #include "kilter/report/constraints_g2o.h"
@@ -56,7 +58,7 @@ struct Job {
   Settings settings;
   Mission mission;
   Cuts cuts;
-  std::size_t memory_bytes = 0;
+  std::size_t memory_bytes = 0;  // 0 = no limit
 };
 
 Expected<void> check_map_names(const CheckCommand& command, const Mission& mission) {
@@ -73,7 +75,7 @@ Expected<Job> open_job(const CheckCommand& command) {
   Job job;
   const Expected<std::size_t> memory = parse_memory(command.common.memory);
   if (!memory) return pass_up(memory.error());
-  job.memory_bytes = *memory;
+  job.memory_bytes = *memory != 0 ? *memory : available_memory().value_or(0) / 2;
   Expected<Settings> settings = read_settings(command.common, command.preset == "seed");
   if (!settings) return pass_up(settings.error());
   job.settings = *std::move(settings);
@@ -97,7 +99,9 @@ Expected<Result> run_job(const CheckCommand& command, const Job& job) {
   CheckRun run;
   run.threads = command.common.jobs;
   run.cancelled = &stop_flag();
+  const std::unique_ptr<SpillSpace> spill = temporary_file_in(folder_for_large_temporary_files());
   run.memory_bytes = job.memory_bytes;
+  run.spill = spill.get();
   run.fuse_maps = command.maps;
   run.draw_picture = true;
   run.progress = [&progress](std::string_view stage, std::size_t done, std::size_t total) {

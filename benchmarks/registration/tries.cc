@@ -16,6 +16,7 @@
 
 #include <array>
 #include <ctime>
+#include <deque>
 #include <iostream>
 #include <optional>
 #include <sstream>
@@ -108,39 +109,37 @@ CandidatePair candidate_of(const Try& asked) {
 }
 
 // The local search alone and what it needs, made anew for this pair, as other libraries make theirs.
-std::optional<Pose3> align_alone(const Try& asked, const std::vector<Submap>& submaps, const CheckOptions& options) {
-  const Submap& from = submaps[asked.source];
-  const Submap& onto = submaps[asked.target];
+std::optional<Pose3> align_alone(const Try& asked, const std::vector<SubmapNode>& nodes,
+                                 const std::deque<SearchableMap>& maps, const CheckOptions& options) {
   const double reach_m = options.registration.search_distance_m;
-  const NearestVoxelSearch source(from.map, VoxelPosition::kCentroid, reach_m);
-  const NearestVoxelSearch target(onto.map, VoxelPosition::kCentroid, reach_m);
+  const NearestVoxelSearch source(maps[asked.source].map(), VoxelPosition::kCentroid, reach_m);
+  const NearestVoxelSearch target(maps[asked.target].map(), VoxelPosition::kCentroid, reach_m);
   RegistrationPrior prior;
-  prior.up_target = onto.T_world_submap.rotation().conjugate() * Eigen::Vector3d::UnitZ();
+  prior.up_target = nodes[asked.target].T_world_submap.rotation().conjugate() * Eigen::Vector3d::UnitZ();
   const RegistrationResult result =
       align_submaps(source, target, asked.T_target_source_start, options.registration, prior);
   return result.converged() ? std::optional(result.T_target_source) : std::nullopt;
 }
 
-Outcome register_pair(const Try& asked, std::vector<Submap>& submaps, const SubmapSearches& searches,
+Outcome register_pair(const Try& asked, const std::vector<SubmapNode>& nodes, const std::deque<SearchableMap>& maps,
                       const CheckOptions& options) {
   Outcome outcome{asked, 0.0, std::nullopt, std::nullopt};
   const double begin = processor_seconds();
   if (asked.method == "check" || asked.method == "search") {
     CheckOptions own = options;
     own.registration.always_search = asked.method == "search";
-    Pose3& T_world_source = submaps[asked.source].T_world_submap;
-    const Pose3 kept = T_world_source;
-    T_world_source = submaps[asked.target].T_world_submap * asked.T_target_source_start;
-    outcome.measured = measure_pair(submaps, searches, candidate_of(asked), own);
-    T_world_source = kept;
+    const Pose3& T_world_target = nodes[asked.target].T_world_submap;
+    const Pose3 T_world_source = T_world_target * asked.T_target_source_start;
+    outcome.measured = measure_pair({{maps[asked.source], T_world_source}, {maps[asked.target], T_world_target}},
+                                    candidate_of(asked), own);
     if (outcome.measured->evidence.registered) {
       outcome.T_target_source = outcome.measured->evidence.registration->T_target_source;
     }
   } else if (asked.method == "align") {
-    outcome.T_target_source = align_alone(asked, submaps, options);
+    outcome.T_target_source = align_alone(asked, nodes, maps, options);
   } else {
     outcome.T_target_source =
-        align_by_peer(asked.method, submaps[asked.source].map, submaps[asked.target].map, asked.T_target_source_start);
+        align_by_peer(asked.method, maps[asked.source].map(), maps[asked.target].map(), asked.T_target_source_start);
   }
   outcome.seconds = processor_seconds() - begin;
   return outcome;
@@ -206,8 +205,13 @@ std::optional<Try> try_of(const std::string& line, std::size_t submaps) {
   return asked;
 }
 
-int answer_tries(std::vector<Submap>& submaps, const CheckOptions& options) {
-  const SubmapSearches searches = build_searches(submaps, options, {});
+int answer_tries(std::vector<Submap> submaps, const CheckOptions& options) {
+  std::vector<SubmapNode> nodes;
+  std::deque<SearchableMap> maps;
+  for (Submap& submap : submaps) {
+    nodes.push_back(submap);
+    maps.emplace_back(std::move(submap.map), search_setup(options));
+  }
   std::vector<Outcome> outcomes;
   std::string line;
   while (std::getline(std::cin, line)) {
@@ -216,12 +220,12 @@ int answer_tries(std::vector<Submap>& submaps, const CheckOptions& options) {
       outcomes.clear();
       continue;
     }
-    const std::optional<Try> asked = try_of(line, submaps.size());
+    const std::optional<Try> asked = try_of(line, nodes.size());
     if (!asked) {
       fmt::print(stderr, "expected METHOD SOURCE TARGET x y z qx qy qz qw, found: {}\n", line);
       return 2;
     }
-    outcomes.push_back(register_pair(*asked, submaps, searches, options));
+    outcomes.push_back(register_pair(*asked, nodes, maps, options));
   }
   return 0;
 }
@@ -247,5 +251,5 @@ int main(int count, char** words) {
   Expected<std::vector<Submap>> submaps = submaps_of(words[1], words[2], *options);
   if (!submaps) return print_error(submaps.error());
   std::cout << as_line(*submaps) << std::flush;
-  return answer_tries(*submaps, *options);
+  return answer_tries(*std::move(submaps), *options);
 }

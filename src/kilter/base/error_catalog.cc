@@ -51,11 +51,13 @@ constexpr std::array kCatalog = {
                  "A value handed to the library lies outside its documented domain. Exit status 2."},
     CatalogEntry{
         ErrorCode::kOutOfMemory, "out-of-memory",
-        "The budget of --memory, or the machine's memory, is used up. Raise it, use a coarser `resolution`, or "
-        "limit `max_range`. Exit status 5."},
+        "The budget of --memory does not hold the two submaps of one pair, what it leaves out cannot be kept in a "
+        "temporary file, or the machine's memory is used up. Raise it, use a coarser `resolution`, or limit "
+        "`max_range`. Exit status 5."},
     CatalogEntry{
         ErrorCode::kNoSpace, "no-space",
-        "The disk that holds the output folder is full. Results already there were not touched. Exit status 5."},
+        "The disk that holds the output folder, or the temporary files of a run that --memory bounds, is full. Results "
+        "already there were not touched. Exit status 5."},
     CatalogEntry{ErrorCode::kCancelled, "cancelled",
                  "The run was stopped by a signal; nothing was written. Exit status 130 or 143."},
     CatalogEntry{ErrorCode::kInternal, "internal",

@@ -6,8 +6,8 @@
 #include <mutex>
 #include <thread>
 
-#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
+#include <tbb/partitioner.h>
 #include <tbb/task_arena.h>
 
 #include "kilter/base/contract.h"
@@ -26,11 +26,25 @@ namespace kilter {
 namespace {
 
 #ifdef KILTER_PLAIN_THREADS
-void run_on_threads(std::size_t count, int threads, const std::function<void(std::size_t)>& one) {
+void run_on_threads(int threads, const std::function<void()>& work) {
+  std::vector<std::jthread> workers;
+  for (int t = 0; t < threads; ++t) workers.emplace_back(work);
+}
+#else
+void run_on_threads(int threads, const std::function<void()>& work) {
+  tbb::task_arena arena(threads);
+  arena.execute([&] {
+    tbb::parallel_for(0, threads, [&](int) { work(); }, tbb::simple_partitioner());
+  });
+}
+#endif
+
+// Calls one(i) for all i on several threads, taken in ascending order, so that what is near in time is near in index.
+void share_out(std::size_t count, int threads, const std::function<void(std::size_t)>& one) {
   std::atomic<std::size_t> next = 0;
   std::exception_ptr failure;
   std::mutex failure_mutex;
-  const auto work = [&] {
+  run_on_threads(threads, [&] {
     try {
       for (std::size_t i = next++; i < count; i = next++) one(i);
     } catch (...) {
@@ -38,26 +52,9 @@ void run_on_threads(std::size_t count, int threads, const std::function<void(std
       if (!failure) failure = std::current_exception();
       next = count;
     }
-  };
-  {
-    std::vector<std::jthread> workers;
-    for (int t = 0; t < threads; ++t) workers.emplace_back(work);
-  }
+  });
   if (failure) std::rethrow_exception(failure);
 }
-#else
-void run_on_threads(std::size_t count, int threads, const std::function<void(std::size_t)>& one) {
-  tbb::task_arena arena(threads);
-  arena.execute([&] {
-    tbb::parallel_for(
-        tbb::blocked_range<std::size_t>(0, count, 1),
-        [&](const tbb::blocked_range<std::size_t>& range) {
-          for (std::size_t i = range.begin(); i != range.end(); ++i) one(i);
-        },
-        tbb::simple_partitioner());
-  });
-}
-#endif
 
 }  // namespace
 
@@ -73,7 +70,7 @@ void parallel_for(std::size_t count, const RunContext& run, const std::function<
     for (std::size_t i = 0; i < count; ++i) one(i);
     return;
   }
-  run_on_threads(count, run.threads, one);
+  share_out(count, static_cast<int>(std::min(count, static_cast<std::size_t>(run.threads))), one);
 }
 
 }  // namespace kilter

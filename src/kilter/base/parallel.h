@@ -21,7 +21,7 @@ struct RunContext {
   [[nodiscard]] bool stop_requested() const { return cancelled != nullptr && cancelled->load(); }
 };
 
-/// Calls `body(i)` for every i in [0, count), on at most `run.threads` threads, in no promised order; stops early
+/// Calls `body(i)` for every i in [0, count), on at most `run.threads` threads, taken in ascending order; stops early
 /// (leaving the rest uncalled) once a stop is requested. `body` must only write to what belongs to i. An exception
 /// of `body` is rethrown here.
 void parallel_for(std::size_t count, const RunContext& run, const std::function<void(std::size_t)>& body);

@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <mutex>
@@ -52,6 +53,10 @@ class NearestVoxelSearch {
   [[nodiscard]] const VoxelMap& map() const { return *map_; }
   [[nodiscard]] VoxelPosition position() const { return position_; }
   [[nodiscard]] double max_distance_m() const { return max_distance_m_; }
+  /// Memory held, the map's own left out. [bytes]
+  [[nodiscard]] std::size_t bytes() const {
+    return 3 * points_.x.size() * sizeof(float) + offsets_.size() * sizeof(BlockOffset);
+  }
 
  private:
   friend class NearestVoxelCursor;

@@ -6,28 +6,17 @@
 #include <cmath>
 
 namespace kilter {
-namespace {
-
-bool surface_near(const VoxelMap& map, const Eigen::Vector3d& at_m) {
-  const double half_m = 0.5 * kBlockSize * map.resolution_m();
-  // The eight blocks whose centres surround the point: everything within half a block is seen.
-  const Eigen::Vector3i low = block_of(voxel_at(at_m - Eigen::Vector3d::Constant(half_m), map.resolution_m()));
-  for (int corner = 0; corner < 8; ++corner) {
-    const std::int32_t number = map.find_block(low + Eigen::Vector3i(corner & 1, corner >> 1 & 1, corner >> 2));
-    if (number != BlockIndex::kNone && map.blocks()[static_cast<std::size_t>(number)].voxel_count > 0) return true;
-  }
-  return false;
-}
-
-}  // namespace
-
-CoarseCells coarse_cells(const VoxelMap& map, std::size_t max_cells) {
+CoarseMap::CoarseMap(const VoxelMap& map, std::size_t max_cells)
+    : bounds_m_(map.bounds_m()), resolution_m_(map.resolution_m()) {
   std::vector<const VoxelBlock*> filled;
+  std::vector<std::uint64_t> keys;
   for (const VoxelBlock& block : map.blocks()) {
-    if (block.voxel_count > 0) filled.push_back(&block);
+    if (block.voxel_count == 0) continue;
+    filled.push_back(&block);
+    keys.push_back(block.key);
   }
-  CoarseCells cells;
-  if (filled.empty()) return cells;
+  if (filled.empty()) return;
+  filled_ = BlockIndex(keys);
   const std::size_t count = std::min(max_cells, filled.size());
   double picked_weight = 0.0;
   for (std::size_t k = 0; k < count; ++k) {
@@ -36,39 +25,49 @@ CoarseCells coarse_cells(const VoxelMap& map, std::size_t max_cells) {
     for (std::uint32_t i = 0; i < block.voxel_count; ++i) {
       sum += map.voxels().centroids_m[block.first_voxel + i].cast<double>();
     }
-    cells.centres_m.emplace_back(sum / block.voxel_count);
-    cells.weights.push_back(block.voxel_count);
+    cells_.centres_m.emplace_back(sum / block.voxel_count);
+    cells_.weights.push_back(block.voxel_count);
     picked_weight += block.voxel_count;
   }
   const double scale = static_cast<double>(map.voxels().size()) / picked_weight;
-  for (double& weight : cells.weights) weight *= scale;
-  return cells;
+  for (double& weight : cells_.weights) weight *= scale;
 }
 
-CoarseOverlap coarse_overlap(const CoarseCells& source, const VoxelMap& target, const Pose3& T_target_source,
+bool CoarseMap::surface_near(const Eigen::Vector3d& at_m) const {
+  // Everything within half a block is seen.
+  const Eigen::Vector3i low = block_of(voxel_at(at_m - Eigen::Vector3d::Constant(0.5 * block_m()), resolution_m_));
+  for (int corner = 0; corner < 8; ++corner) {
+    const Eigen::Vector3i block = low + Eigen::Vector3i(corner & 1, corner >> 1 & 1, corner >> 2);
+    if (filled_.find(block) != BlockIndex::kNone) return true;
+  }
+  return false;
+}
+
+CoarseOverlap coarse_overlap(const CoarseMap& source, const CoarseMap& target, const Pose3& T_target_source,
                              const Eigen::Vector3d& shift_m) {
   CoarseOverlap result;
   result.shift_m = shift_m;
   double inside = 0.0;
   // Half a block wider, as surface_near looks: a wall's box is thinner than the errors that matter.
   Eigen::AlignedBox3d box = target.bounds_m();
-  const double half_m = 0.5 * kBlockSize * target.resolution_m();
+  const double half_m = 0.5 * target.block_m();
   box.min().array() -= half_m;
   box.max().array() += half_m;
-  for (std::size_t i = 0; i < source.centres_m.size(); ++i) {
-    const Eigen::Vector3d at_m = T_target_source * source.centres_m[i] + shift_m;
+  const CoarseCells& cells = source.cells();
+  for (std::size_t i = 0; i < cells.centres_m.size(); ++i) {
+    const Eigen::Vector3d at_m = T_target_source * cells.centres_m[i] + shift_m;
     if (!box.contains(at_m)) continue;
-    inside += source.weights[i];
-    if (surface_near(target, at_m)) result.matched += source.weights[i];
+    inside += cells.weights[i];
+    if (target.surface_near(at_m)) result.matched += cells.weights[i];
   }
   result.overlap = inside > 0.0 ? result.matched / inside : 0.0;
   return result;
 }
 
-CoarseOverlap best_coarse_overlap(const CoarseCells& source, const VoxelMap& target, const Pose3& T_target_source,
+CoarseOverlap best_coarse_overlap(const CoarseMap& source, const CoarseMap& target, const Pose3& T_target_source,
                                   double reach_m) {
   CoarseOverlap best = coarse_overlap(source, target, T_target_source, Eigen::Vector3d::Zero());
-  const double step_m = 2.0 * kBlockSize * target.resolution_m();
+  const double step_m = 2.0 * target.block_m();
   const int steps = static_cast<int>(std::floor(reach_m / step_m));
   for (int y = -steps; y <= steps; ++y) {
     for (int x = -steps; x <= steps; ++x) {

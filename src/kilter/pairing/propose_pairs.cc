@@ -10,7 +10,7 @@
 #include <cmath>
 #include <optional>
 
-#include "kilter/pairing/coarse_overlap.h"
+#include "kilter/base/contract.h"
 
 namespace kilter {
 namespace {
@@ -20,15 +20,13 @@ using Point = bg::model::point<double, 3, bg::cs::cartesian>;
 using Box = bg::model::box<Point>;
 using Entry = std::pair<Box, int>;
 
-constexpr std::size_t kMaxCells = 256;
-
 Box widened(const Eigen::AlignedBox3d& box, double by_m) {
   return {{box.min().x() - by_m, box.min().y() - by_m, box.min().z() - by_m},
           {box.max().x() + by_m, box.max().y() + by_m, box.max().z() + by_m}};
 }
 
 // The kind of (source, target), or nothing where the seed defines no pair.
-std::optional<PairKind> kind_of(const Submap& source, const Submap& target, int local_min_gap) {
+std::optional<PairKind> kind_of(const SubmapNode& source, const SubmapNode& target, int local_min_gap) {
   if (source.robot != target.robot) return PairKind::kGlobal;
   const int gap = source.index - target.index;
   if (gap == 1) return PairKind::kSequential;
@@ -37,17 +35,18 @@ std::optional<PairKind> kind_of(const Submap& source, const Submap& target, int 
 }
 
 // All pairs whose widened boxes touch, and every sequential pair; sorted.
-std::vector<CandidatePair> meeting_pairs(std::span<const Submap> submaps, const PairingOptions& options) {
+std::vector<CandidatePair> meeting_pairs(std::span<const SubmapNode> nodes, std::span<const CoarseMap> maps,
+                                         const PairingOptions& options) {
   std::vector<Eigen::AlignedBox3d> boxes;
   std::vector<Entry> entries;
-  for (const Submap& submap : submaps) {
-    boxes.push_back(submap.bounds_world_m());
-    if (!boxes.back().isEmpty()) entries.emplace_back(widened(boxes.back(), 0.0), submap.id.value);
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    boxes.push_back(moved_box(maps[i].bounds_m(), nodes[i].T_world_submap));
+    if (!boxes.back().isEmpty()) entries.emplace_back(widened(boxes.back(), 0.0), nodes[i].id.value);
   }
   const bg::index::rtree<Entry, bg::index::rstar<16>> tree(entries.begin(), entries.end());
   std::vector<CandidatePair> pairs;
   std::vector<Entry> found;
-  for (const Submap& source : submaps) {
+  for (const SubmapNode& source : nodes) {
     found.clear();
     const auto& box = boxes[static_cast<std::size_t>(source.id.value)];
     if (!box.isEmpty()) {
@@ -56,7 +55,7 @@ std::vector<CandidatePair> meeting_pairs(std::span<const Submap> submaps, const 
       tree.query(bg::index::intersects(widened(box, reach_m)), std::back_inserter(found));
     }
     for (const Entry& entry : found) {
-      const Submap& target = submaps[static_cast<std::size_t>(entry.second)];
+      const SubmapNode& target = nodes[static_cast<std::size_t>(entry.second)];
       if (target.id >= source.id) continue;
       const std::optional<PairKind> kind = kind_of(source, target, options.local_min_gap);
       if (!kind || *kind == PairKind::kSequential) continue;
@@ -66,7 +65,7 @@ std::vector<CandidatePair> meeting_pairs(std::span<const Submap> submaps, const 
     }
     const bool has_predecessor = source.id.value > 0 && source.index > 0;
     if (has_predecessor) {
-      const Submap& target = submaps[static_cast<std::size_t>(source.id.value - 1)];
+      const SubmapNode& target = nodes[static_cast<std::size_t>(source.id.value - 1)];
       pairs.push_back({{source.id, target.id}, PairKind::kSequential, drift_allowance_m(source, target, options)});
     }
   }
@@ -87,30 +86,29 @@ std::vector<OptionField> fields(PairingOptions& o) {
   };
 }
 
-double drift_allowance_m(const Submap& source, const Submap& target, const PairingOptions& options) {
+double drift_allowance_m(const SubmapNode& source, const SubmapNode& target, const PairingOptions& options) {
   const double path_m = source.robot == target.robot ? std::abs(source.path_end_m - target.path_start_m)
                                                      : source.path_end_m + target.path_end_m;
   return std::min(options.drift_per_metre * path_m, options.drift_max_m);
 }
 
-std::vector<CandidatePair> propose_pairs(std::span<const Submap> submaps, const PairingOptions& options,
-                                         const RunContext& run) {
-  std::vector<CandidatePair> pairs = meeting_pairs(submaps, options);
-  std::vector<CoarseCells> cells(submaps.size());
-  parallel_for(submaps.size(), run, [&](std::size_t i) { cells[i] = coarse_cells(submaps[i].map, kMaxCells); });
+std::vector<CandidatePair> propose_pairs(std::span<const SubmapNode> nodes, std::span<const CoarseMap> maps,
+                                         const PairingOptions& options, const RunContext& run) {
+  KILTER_EXPECTS(nodes.size() == maps.size());
+  std::vector<CandidatePair> pairs = meeting_pairs(nodes, maps, options);
   const auto enough = [&](const CoarseOverlap& o) {
     return o.overlap >= options.overlap_min && o.matched >= options.matched_min;
   };
   parallel_for(pairs.size(), run, [&](std::size_t i) {
     CandidatePair& pair = pairs[i];
-    const Submap& source = submaps[static_cast<std::size_t>(pair.id.source.value)];
-    const Submap& target = submaps[static_cast<std::size_t>(pair.id.target.value)];
-    const Pose3 T_target_source = target.T_world_submap.inverse() * source.T_world_submap;
-    const CoarseOverlap forward = best_coarse_overlap(cells[static_cast<std::size_t>(source.id.value)], target.map,
-                                                      T_target_source, pair.drift_allowance_m);
+    const auto source = static_cast<std::size_t>(pair.id.source.value);
+    const auto target = static_cast<std::size_t>(pair.id.target.value);
+    const Pose3 T_target_source = nodes[target].T_world_submap.inverse() * nodes[source].T_world_submap;
+    const CoarseOverlap forward =
+        best_coarse_overlap(maps[source], maps[target], T_target_source, pair.drift_allowance_m);
     // The other way round too: which of the two comes first must not decide whether a pair is looked at.
-    const CoarseOverlap backward = best_coarse_overlap(cells[static_cast<std::size_t>(target.id.value)], source.map,
-                                                       T_target_source.inverse(), pair.drift_allowance_m);
+    const CoarseOverlap backward =
+        best_coarse_overlap(maps[target], maps[source], T_target_source.inverse(), pair.drift_allowance_m);
     pair.predicted_overlap = std::max(forward.overlap, backward.overlap);
     pair.predicted_shift_m = forward.shift_m;
     pair.predicted_enough = enough(forward) || enough(backward);

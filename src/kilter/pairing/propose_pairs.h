@@ -8,6 +8,7 @@
 
 #include "kilter/base/option_table.h"
 #include "kilter/base/parallel.h"
+#include "kilter/pairing/coarse_overlap.h"
 #include "kilter/submap/submap.h"
 
 namespace kilter {
@@ -35,16 +36,22 @@ struct CandidatePair {
   Eigen::Vector3d predicted_shift_m = Eigen::Vector3d::Zero();
 };
 
+/// Cells of a CoarseMap that are enough to predict an overlap.
+inline constexpr std::size_t kMaxCoarseCells = 256;
+
 /// How far apart the truth of two submaps may be from what the map says: drift_per_metre times the path between them
 /// (one robot) or the sum of both paths from their starts (two robots), at most drift_max_m. [m]
-[[nodiscard]] double drift_allowance_m(const Submap& source, const Submap& target, const PairingOptions& options);
+[[nodiscard]] double drift_allowance_m(const SubmapNode& source, const SubmapNode& target,
+                                       const PairingOptions& options);
 
 /// Finds sequential (i, i-1), local (i, j <= i - k) and global (b, a) pairs (Eq. 4-6) whose boxes, widened by d and
 /// the drift allowance, touch, and says how much their coarse occupancy (one block of 8 voxels a cell) would overlap at
 /// the best horizontal shift within the allowance.
+/// \param maps  how each submap looks from afar, in the order of the nodes; see kMaxCoarseCells.
 /// \return sorted by PairId; every sequential pair is among them, boxes touching or not. Deterministic.
 /// O(N log N + pairs).
-[[nodiscard]] std::vector<CandidatePair> propose_pairs(std::span<const Submap> submaps, const PairingOptions& options,
+[[nodiscard]] std::vector<CandidatePair> propose_pairs(std::span<const SubmapNode> nodes,
+                                                       std::span<const CoarseMap> maps, const PairingOptions& options,
                                                        const RunContext& run);
 
 }  // namespace kilter

@@ -34,6 +34,13 @@ Submap submap_at(int id, int robot, int index, double x_m, double path_m) {
   return submap;
 }
 
+std::vector<CandidatePair> propose(const std::vector<Submap>& submaps, const PairingOptions& options = {},
+                                   const RunContext& run = {}) {
+  std::vector<CoarseMap> maps;
+  for (const Submap& submap : submaps) maps.emplace_back(submap.map, kMaxCoarseCells);
+  return propose_pairs(std::vector<SubmapNode>(submaps.begin(), submaps.end()), maps, options, run);
+}
+
 std::vector<std::pair<int, int>> ids(const std::vector<CandidatePair>& proposal) {
   std::vector<std::pair<int, int>> out;
   for (const CandidatePair& pair : proposal) out.emplace_back(pair.id.source.value, pair.id.target.value);
@@ -44,7 +51,7 @@ TEST(ProposePairs, NamesTheThreeKinds) {
   std::vector<Submap> submaps;
   for (int i = 0; i < 3; ++i) submaps.push_back(submap_at(i, 0, i, 0.5 * i, 10.0 * i));
   submaps.push_back(submap_at(3, 1, 0, 0.2, 0.0));
-  const std::vector<CandidatePair> proposal = propose_pairs(submaps, {}, {});
+  const std::vector<CandidatePair> proposal = propose(submaps);
   const std::vector<std::pair<int, int>> expected = {{1, 0}, {2, 0}, {2, 1}, {3, 0}, {3, 1}, {3, 2}};
   EXPECT_EQ(ids(proposal), expected);
   EXPECT_EQ(proposal[0].kind, PairKind::kSequential);
@@ -56,23 +63,23 @@ TEST(ProposePairs, LocalPairsBeginAtTheGap) {
   std::vector<Submap> submaps;
   for (int i = 0; i < 5; ++i) submaps.push_back(submap_at(i, 0, i, 0.1 * i, 10.0 * i));
   const std::vector<std::pair<int, int>> expected = {{1, 0}, {2, 1}, {3, 0}, {3, 2}, {4, 0}, {4, 1}, {4, 3}};
-  EXPECT_EQ(ids(propose_pairs(submaps, {.local_min_gap = 3}, {})), expected);
+  EXPECT_EQ(ids(propose(submaps, {.local_min_gap = 3})), expected);
 }
 
 TEST(ProposePairs, FindsPairsThatDriftedApart) {
   std::vector<Submap> submaps = {submap_at(0, 0, 0, 0.0, 0.0), submap_at(1, 0, 1, 200.0, 300.0),
                                  submap_at(2, 0, 2, 9.0, 600.0)};
-  const std::vector<CandidatePair> with_drift = propose_pairs(submaps, {}, {});
+  const std::vector<CandidatePair> with_drift = propose(submaps);
   ASSERT_EQ(ids(with_drift), (std::vector<std::pair<int, int>>{{1, 0}, {2, 0}, {2, 1}}));
   EXPECT_LT(with_drift[1].predicted_shift_m.x(), -1.0);
-  const std::vector<CandidatePair> without = propose_pairs(submaps, {.drift_per_metre = 0.0}, {});
+  const std::vector<CandidatePair> without = propose(submaps, {.drift_per_metre = 0.0});
   EXPECT_EQ(ids(without), (std::vector<std::pair<int, int>>{{1, 0}, {2, 1}}));
 }
 
 TEST(ProposePairs, SaysWhichCandidatesPromiseTooLittle) {
   std::vector<Submap> submaps = {submap_at(0, 0, 0, 0.0, 0.0), submap_at(1, 1, 0, 6.5, 0.0),
                                  submap_at(2, 1, 1, 2.0, 0.0)};
-  const std::vector<CandidatePair> proposal = propose_pairs(submaps, {.drift_per_metre = 0.0}, {});
+  const std::vector<CandidatePair> proposal = propose(submaps, {.drift_per_metre = 0.0});
   ASSERT_EQ(ids(proposal), (std::vector<std::pair<int, int>>{{1, 0}, {2, 0}, {2, 1}}));
   EXPECT_FALSE(proposal[0].predicted_enough);
   EXPECT_TRUE(proposal[1].predicted_enough);
@@ -87,22 +94,23 @@ TEST(CoarseOverlap, SeesAWallBesideAWall) {
   MapBuilder builder({.resolution_m = 0.1});
   builder.insert_points(points);
   const VoxelMap wall = builder.finish();
+  const CoarseMap seen(wall, kMaxCoarseCells);
   const CoarseOverlap doubled =
-      coarse_overlap(coarse_cells(wall, 256), wall, Pose3::from_translation(0.2, 0.0, 0.0), Eigen::Vector3d::Zero());
+      coarse_overlap(seen, seen, Pose3::from_translation(0.2, 0.0, 0.0), Eigen::Vector3d::Zero());
   EXPECT_GT(doubled.overlap, 0.9);
 }
 
 TEST(ProposePairs, SequentialPairsAreListedEvenWithoutOverlapOrPoints) {
   std::vector<Submap> submaps = {submap_at(0, 0, 0, 0.0, 0.0), submap_at(1, 0, 1, 500.0, 500.0)};
   submaps[1].map = MapBuilder({.resolution_m = 0.1}).finish();
-  EXPECT_EQ(ids(propose_pairs(submaps, {}, {})), (std::vector<std::pair<int, int>>{{1, 0}}));
+  EXPECT_EQ(ids(propose(submaps)), (std::vector<std::pair<int, int>>{{1, 0}}));
 }
 
 TEST(ProposePairs, ThreadsChangeNothing) {
   std::vector<Submap> submaps;
   for (int i = 0; i < 8; ++i) submaps.push_back(submap_at(i, i / 4, i % 4, 1.3 * i, 10.0 * i));
-  const std::vector<CandidatePair> one = propose_pairs(submaps, {}, {.threads = 1});
-  const std::vector<CandidatePair> four = propose_pairs(submaps, {}, {.threads = 4});
+  const std::vector<CandidatePair> one = propose(submaps, {}, {.threads = 1});
+  const std::vector<CandidatePair> four = propose(submaps, {}, {.threads = 4});
   ASSERT_EQ(ids(one), ids(four));
   for (std::size_t i = 0; i < one.size(); ++i) {
     EXPECT_EQ(one[i].predicted_overlap, four[i].predicted_overlap);
@@ -111,11 +119,11 @@ TEST(ProposePairs, ThreadsChangeNothing) {
 
 TEST(CoarseOverlap, FullForTheSameMapAndNoneFarAway) {
   const VoxelMap map = floor_map();
-  const CoarseCells cells = coarse_cells(map, 256);
-  EXPECT_NEAR(coarse_overlap(cells, map, {}, Eigen::Vector3d::Zero()).overlap, 1.0, 1e-12);
-  EXPECT_NEAR(coarse_overlap(cells, map, {}, Eigen::Vector3d::Zero()).matched, static_cast<double>(map.voxels().size()),
+  const CoarseMap seen(map, kMaxCoarseCells);
+  EXPECT_NEAR(coarse_overlap(seen, seen, {}, Eigen::Vector3d::Zero()).overlap, 1.0, 1e-12);
+  EXPECT_NEAR(coarse_overlap(seen, seen, {}, Eigen::Vector3d::Zero()).matched, static_cast<double>(map.voxels().size()),
               1e-6);
-  EXPECT_EQ(coarse_overlap(cells, map, Pose3::from_translation(0.0, 0.0, 50.0), Eigen::Vector3d::Zero()).matched, 0.0);
+  EXPECT_EQ(coarse_overlap(seen, seen, Pose3::from_translation(0.0, 0.0, 50.0), Eigen::Vector3d::Zero()).matched, 0.0);
 }
 
 }  // namespace

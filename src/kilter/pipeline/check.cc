@@ -6,11 +6,14 @@
 
 #include <algorithm>
 #include <chrono>
-#include <new>
+#include <optional>
+#include <utility>
 
 #include "kilter/pipeline/draw_picture.h"
 #include "kilter/pipeline/measure_pair.h"
+#include "kilter/pipeline/pair_schedule.h"
 #include "kilter/pipeline/reconsider_pairs.h"
+#include "kilter/pipeline/submap_store.h"
 
 namespace kilter {
 namespace {
@@ -37,52 +40,86 @@ RunContext stage_context(const CheckRun& run, std::string_view stage) {
   return context;
 }
 
-Expected<void> within_budget(const std::vector<Submap>& submaps, const CheckRun& run) {
-  std::size_t held = 0;
-  for (const Submap& submap : submaps) held += submap.map.bytes();
-  if (run.memory_bytes == 0 || held <= run.memory_bytes) return {};
-  return fail(ErrorCode::kOutOfMemory,
-              fmt::format("{} submaps need {:.0f} MB, more than --memory allows ({:.0f} MB)", submaps.size(),
-                          static_cast<double>(held) / 1e6, static_cast<double>(run.memory_bytes) / 1e6),
-              {}, "raise --memory, or use a coarser resolution or a smaller max_range");
-}
+// What is held of every submap from the beginning to the end; its voxels are in a store.
+struct BuiltSubmaps {
+  std::vector<SubmapNode> nodes;
+  std::vector<CoarseMap> coarse;
+  std::vector<SubmapSummary> summaries;
+};
 
 // Numbers submaps over all robots: all of the first, then the second, ...
-Expected<std::vector<Submap>> build_all(const std::vector<RobotLog>& robots, const CheckOptions& options,
-                                        const std::map<std::string, std::vector<ScanRange>>& cuts,
-                                        const CheckRun& run) {
-  std::vector<Submap> all;
+Expected<std::vector<SubmapNode>> plan_all(const std::vector<RobotLog>& robots, const CheckOptions& options,
+                                           const std::map<std::string, std::vector<ScanRange>>& cuts) {
+  std::vector<SubmapNode> all;
   for (std::size_t robot = 0; robot < robots.size(); ++robot) {
     const auto cut = cuts.find(robots[robot].name);
     const auto ranges = cut == cuts.end() ? std::nullopt : std::optional(cut->second);
-    Expected<std::vector<Submap>> submaps =
-        build_submaps(robots[robot], static_cast<int>(robot), options.submap, stage_context(run, "submaps"), ranges);
-    if (!submaps) return pass_up(submaps.error());
-    for (Submap& submap : *submaps) {
-      submap.id = {static_cast<int>(all.size())};
-      all.push_back(std::move(submap));
+    Expected<std::vector<SubmapNode>> nodes =
+        plan_submaps(robots[robot], static_cast<int>(robot), options.submap.cutting, ranges);
+    if (!nodes) return nodes;
+    for (SubmapNode& node : *nodes) {
+      node.id = {static_cast<int>(all.size())};
+      all.push_back(std::move(node));
     }
-    const Expected<void> fits = within_budget(all, run);
-    if (!fits) return pass_up(fits.error());
   }
   return all;
 }
 
+SubmapSummary summary_of(const Submap& submap, const std::string& robot) {
+  return {submap.id, submap.name, robot, submap.index + 1, submap.scans, submap.T_world_submap,
+          submap.map.voxels().size(), submap.map.bytes(), submap.dropped_points};
+}
+
+// All robots' submaps side by side; each goes into the store as soon as it is built.
+Expected<BuiltSubmaps> build_all(const std::vector<RobotLog>& robots, std::vector<SubmapNode> plan,
+                                 const CheckOptions& options, const RunContext& run, SubmapStore& store) {
+  BuiltSubmaps built;
+  built.nodes = std::move(plan);
+  built.coarse.resize(built.nodes.size());
+  built.summaries.resize(built.nodes.size());
+  std::vector<std::optional<Error>> errors(built.nodes.size());
+  parallel_for(built.nodes.size(), run, [&](std::size_t i) {
+    const RobotLog& robot = robots[static_cast<std::size_t>(built.nodes[i].robot)];
+    Expected<Submap> submap = build_submap(robot, built.nodes[i], options.submap.occupancy, run);
+    if (!submap) {
+      errors[i] = submap.error();
+      return;
+    }
+    built.coarse[i] = CoarseMap(submap->map, kMaxCoarseCells);
+    built.summaries[i] = summary_of(*submap, robot.name);
+    built.nodes[i] = *submap;
+    if (Expected<void> kept = store.add(submap->id, std::move(submap->map)); !kept) errors[i] = kept.error();
+  });
+  for (const std::optional<Error>& error : errors) {
+    if (error) return pass_up(*error);
+  }
+  if (run.stop_requested()) return fail(ErrorCode::kCancelled, "stopped while building submaps");
+  return built;
+}
+
 // Measures all candidates and keeps those that are listed; the others are counted.
-std::vector<PairMeasurement> measure_all(const std::vector<Submap>& submaps,
-                                         const std::vector<CandidatePair>& candidates, const CheckOptions& options,
-                                         const SubmapSearches& searches, const CheckRun& run, std::size_t& left_out) {
+Expected<std::vector<PairMeasurement>> measure_all(const std::vector<SubmapNode>& nodes,
+                                                   const std::vector<CandidatePair>& candidates,
+                                                   const CheckOptions& options, SubmapStore& store, const CheckRun& run,
+                                                   std::size_t& left_out) {
+  std::vector<PairId> ids;
+  ids.reserve(candidates.size());
+  for (const CandidatePair& pair : candidates) ids.push_back(pair.id);
   std::vector<PairMeasurement> measured(candidates.size());
-  parallel_for(candidates.size(), stage_context(run, "pairs"),
-               [&](std::size_t i) { measured[i] = measure_pair(submaps, searches, candidates[i], options); });
+  const Expected<void> done =
+      for_each_pair(nodes, store, ids, stage_context(run, "pairs"), [&](std::size_t i, const PlacedPair& maps) {
+        measured[i] = measure_pair(maps, candidates[i], options);
+      });
+  if (!done) return pass_up(done.error());
   left_out = std::erase_if(measured, [](const PairMeasurement& pair) { return !pair.listed; });
-  if (run.cancelled == nullptr || !run.cancelled->load()) {
-    reconsider_pairs(submaps, searches, options, stage_context(run, "agreement"), measured);
+  if (run.cancelled != nullptr && run.cancelled->load()) return measured;
+  if (auto agreed = reconsider_pairs(nodes, store, options, stage_context(run, "agreement"), measured); !agreed) {
+    return pass_up(agreed.error());
   }
   return measured;
 }
 
-std::vector<JudgedPair> judge_all(const std::vector<PairMeasurement>& measured, const std::vector<Submap>& submaps,
+std::vector<JudgedPair> judge_all(const std::vector<PairMeasurement>& measured, const std::vector<SubmapNode>& nodes,
                                   const CheckOptions& options) {
   std::vector<PairEvidence> evidence;
   evidence.reserve(measured.size());
@@ -91,8 +128,8 @@ std::vector<JudgedPair> judge_all(const std::vector<PairMeasurement>& measured, 
   std::vector<JudgedPair> judged;
   judged.reserve(evidence.size());
   for (const PairEvidence& pair : evidence) {
-    judged.push_back({pair.id, pair.kind, pair.overlaps, submaps[static_cast<std::size_t>(pair.id.source.value)].robot,
-                      submaps[static_cast<std::size_t>(pair.id.target.value)].robot,
+    judged.push_back({pair.id, pair.kind, pair.overlaps, nodes[static_cast<std::size_t>(pair.id.source.value)].robot,
+                      nodes[static_cast<std::size_t>(pair.id.target.value)].robot,
                       options.judge.method == JudgeMethod::kGamma
                           ? judge_pair_by_gamma(pair, null, options.submap.occupancy.resolution_m)
                           : judge_pair(pair, null, options.judge)});
@@ -100,31 +137,37 @@ std::vector<JudgedPair> judge_all(const std::vector<PairMeasurement>& measured, 
   return judged;
 }
 
-void summarise(const std::vector<RobotLog>& robots, const std::vector<Submap>& submaps, Result& result) {
+void summarise(const std::vector<RobotLog>& robots, BuiltSubmaps& built, Result& result) {
   for (const RobotLog& robot : robots) {
     const std::vector<double> path = path_lengths_m(robot.T_world_cloud);
     result.robots.push_back(
         {robot.name, robot.T_world_cloud.size(), path.empty() ? 0.0 : path.back(), 0, robot.finished_submaps});
   }
-  for (const Submap& submap : submaps) {
-    RobotSummary& robot = result.robots[static_cast<std::size_t>(submap.robot)];
-    ++robot.submaps;
-    result.submaps.push_back({submap.id, submap.name, robot.name, submap.index + 1, submap.scans, submap.T_world_submap,
-                              submap.map.voxels().size(), submap.map.bytes(), submap.dropped_points});
-  }
+  for (const SubmapNode& node : built.nodes) ++result.robots[static_cast<std::size_t>(node.robot)].submaps;
+  result.submaps = std::move(built.summaries);
 }
 
-void fuse_all(const std::vector<Submap>& submaps, const CheckOptions& options, Result& result) {
-  std::vector<const Submap*> everyone;
-  for (std::size_t robot = 0; robot < result.robots.size(); ++robot) {
-    std::vector<const Submap*> own;
-    for (const Submap& submap : submaps) {
-      if (submap.robot == static_cast<int>(robot)) own.push_back(&submap);
-    }
-    result.maps.push_back({result.robots[robot].name, fuse_submaps(own, options.submap.occupancy)});
-    everyone.insert(everyone.end(), own.begin(), own.end());
+Expected<void> fuse_all(const std::vector<SubmapNode>& nodes, SubmapStore& store, const CheckOptions& options,
+                        Result& result) {
+  const LendMap lend = [&](SubmapId id, const std::function<void(const VoxelMap&)>& use) -> Expected<void> {
+    const Expected<PinnedMap> map = store.pin(id);
+    if (!map) return pass_up(map.error());
+    use((*map)->map());
+    return {};
+  };
+  const auto fuse = [&](std::string name, std::span<const SubmapNode> of) -> Expected<void> {
+    Expected<std::vector<FusedVoxel>> voxels = fuse_submaps(of, lend, options.submap.occupancy);
+    if (!voxels) return pass_up(voxels.error());
+    result.maps.push_back({std::move(name), *std::move(voxels)});
+    return {};
+  };
+  std::size_t first = 0;
+  for (const RobotSummary& robot : result.robots) {
+    const auto count = static_cast<std::size_t>(robot.submaps);
+    if (auto done = fuse(robot.name, std::span(nodes).subspan(first, count)); !done) return done;
+    first += count;
   }
-  result.maps.push_back({"global", fuse_submaps(everyone, options.submap.occupancy)});
+  return fuse("global", nodes);
 }
 
 tl::unexpected<Error> stopped() { return fail(ErrorCode::kCancelled, "stopped on request; nothing was written"); }
@@ -137,30 +180,34 @@ Expected<Result> check(const std::vector<RobotLog>& robots, const CheckOptions& 
   const CheckOptions options = resolved(asked);
   Result result;
   result.resolution_m = options.submap.occupancy.resolution_m;
-  std::vector<Submap> submaps;
+  Expected<std::vector<SubmapNode>> plan = plan_all(robots, options, cuts);
+  if (!plan) return pass_up(plan.error());
+  SubmapStore store(plan->size(), search_setup(options), {run.memory_bytes, run.spill});
+  BuiltSubmaps submaps;
   {
     const Stopwatch watch(result.seconds["submaps"]);
-    Expected<std::vector<Submap>> built = build_all(robots, options, cuts, run);
+    Expected<BuiltSubmaps> built =
+        build_all(robots, *std::move(plan), options, stage_context(run, "submaps"), store);
     if (!built) return pass_up(built.error());
-    submaps = std::move(*built);
+    submaps = *std::move(built);
   }
   std::vector<CandidatePair> candidates;
   {
     const Stopwatch watch(result.seconds["pairing"]);
-    candidates = propose_pairs(submaps, options.pairing, stage_context(run, "pairing"));
+    candidates = propose_pairs(submaps.nodes, submaps.coarse, options.pairing, stage_context(run, "pairing"));
   }
   std::vector<PairMeasurement> measured;
-  SubmapSearches searches;
   {
     const Stopwatch watch(result.seconds["pairs"]);
-    searches = build_searches(submaps, options, stage_context(run, "search"));
-    measured = measure_all(submaps, candidates, options, searches, run, result.too_little_overlap);
+    auto all = measure_all(submaps.nodes, candidates, options, store, run, result.too_little_overlap);
+    if (!all) return pass_up(all.error());
+    measured = *std::move(all);
   }
   if (run.cancelled != nullptr && run.cancelled->load()) return stopped();
   std::vector<JudgedPair> judged;
   {
     const Stopwatch watch(result.seconds["verdicts"]);
-    judged = judge_all(measured, submaps, options);
+    judged = judge_all(measured, submaps.nodes, options);
   }
   std::vector<std::string> names;
   names.reserve(robots.size());
@@ -174,11 +221,14 @@ Expected<Result> check(const std::vector<RobotLog>& robots, const CheckOptions& 
   summarise(robots, submaps, result);
   if (run.fuse_maps) {
     const Stopwatch watch(result.seconds["maps"]);
-    fuse_all(submaps, options, result);
+    if (auto done = fuse_all(submaps.nodes, store, options, result); !done) return pass_up(done.error());
   }
   if (run.draw_picture) {
     const Stopwatch watch(result.seconds["picture"]);
-    result.picture = draw_picture(robots, submaps, searches, result, options.picture, stage_context(run, "picture"));
+    Expected<Picture> picture =
+        draw_picture(robots, submaps.nodes, store, result, options.picture, stage_context(run, "picture"));
+    if (!picture) return pass_up(picture.error());
+    result.picture = *std::move(picture);
   }
   if (run.cancelled != nullptr && run.cancelled->load()) return stopped();
   return result;

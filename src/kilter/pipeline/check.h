@@ -17,6 +17,7 @@
 #include "kilter/pairing/propose_pairs.h"
 #include "kilter/pipeline/picture.h"
 #include "kilter/pipeline/result.h"
+#include "kilter/pipeline/spill_space.h"
 #include "kilter/registration/registration.h"
 #include "kilter/submap/build_submaps.h"
 #include "kilter/verification/judge.h"
@@ -46,7 +47,8 @@ void apply_seed_preset(CheckOptions& options);
 struct CheckRun {
   int threads = 1;
   const std::atomic<bool>* cancelled = nullptr;
-  std::size_t memory_bytes = 0;  ///< budget for submaps; 0 = no limit
+  std::size_t memory_bytes = 0;  ///< what submaps and their searches may take in memory; 0 = no limit
+  SpillSpace* spill = nullptr;   ///< where the others wait; null = all must fit. Must outlive the run
   bool fuse_maps = false;        ///< --maps
   bool draw_picture = false;     ///< fill Result::picture
   /// Told (stage, done, total) from any thread, in no promised order; may be empty.
@@ -57,8 +59,9 @@ struct CheckRun {
 ///
 /// \param robots  sorted bytewise by name; at least one.
 /// \param cuts    ranges of scans by robot name to use instead of cutting; empty = cut. Robots not named are cut.
-/// \return the result; or the reading error of the first scan that fails, kOutOfMemory beyond the budget, kCancelled.
-/// Same bits for every number of threads.
+/// \return the result; or the reading error of the first scan that fails; kOutOfMemory where two submaps of a pair (all
+///   of them, without spill space) are beyond the budget, kNoSpace; kCancelled.
+/// Same bits for every number of threads and every budget.
 [[nodiscard]] Expected<Result> check(const std::vector<RobotLog>& robots, const CheckOptions& asked,
                                      const std::map<std::string, std::vector<ScanRange>>& cuts, const CheckRun& run);
 

@@ -7,12 +7,14 @@
 #include <algorithm>
 #include <set>
 
+#include "testing/memory_spill.h"
 #include "testing/scenes.h"
 
 namespace kilter {
 namespace {
 
 using testing::furnished_room;
+using testing::MemorySpill;
 using testing::robot_log;
 
 std::vector<Pose3> loop_through_room(double start_x) {
@@ -150,6 +152,37 @@ TEST(Check, MapsAreFusedWhenAskedFor) {
   ASSERT_EQ(result->maps.size(), 3U);
   EXPECT_EQ(result->maps[2].name, "global");
   EXPECT_GE(result->maps[2].voxels.size(), result->maps[0].voxels.size());
+}
+
+// Room for little more than one pair of the six submaps.
+TEST(Check, AnyBudgetGivesTheSameResult) {
+  const auto robots = two_robots(Pose3::from_translation(0.1, 0.1, 0.0));
+  const auto all = check(robots, small_submaps(), {}, {.threads = 2, .fuse_maps = true, .draw_picture = true});
+  ASSERT_TRUE(all.has_value());
+  std::size_t largest = 0;
+  for (const SubmapSummary& submap : all->submaps) largest = std::max(largest, submap.bytes);
+  MemorySpill spill;
+  const auto few = check(robots, small_submaps(), {},
+                         {.threads = 3, .memory_bytes = 4 * largest, .spill = &spill, .fuse_maps = true,
+                          .draw_picture = true});
+  ASSERT_TRUE(few.has_value()) << few.error().message;
+  EXPECT_GT(spill.written(), 2U);
+  EXPECT_GT(spill.reads(), spill.written());
+  ASSERT_EQ(few->pairs.size(), all->pairs.size());
+  for (std::size_t i = 0; i < all->pairs.size(); ++i) {
+    EXPECT_EQ(few->pairs[i].verdict.offset_m, all->pairs[i].verdict.offset_m);
+    EXPECT_EQ(few->pairs[i].verdict.log_odds, all->pairs[i].verdict.log_odds);
+    EXPECT_EQ(few->pairs[i].verified, all->pairs[i].verified);
+    EXPECT_EQ(few->picture->pairs[i].source.after, all->picture->pairs[i].source.after);
+  }
+  for (std::size_t i = 0; i < all->submaps.size(); ++i) {
+    EXPECT_EQ(few->picture->clouds[i].points, all->picture->clouds[i].points);
+  }
+  ASSERT_EQ(few->maps[2].voxels.size(), all->maps[2].voxels.size());
+  for (std::size_t i = 0; i < all->maps[2].voxels.size(); ++i) {
+    EXPECT_EQ(few->maps[2].voxels[i].log_odds, all->maps[2].voxels[i].log_odds);
+    EXPECT_EQ(few->maps[2].voxels[i].centroid_world_m, all->maps[2].voxels[i].centroid_world_m);
+  }
 }
 
 TEST(Check, MemoryBudgetAndCancellationEndTheRun) {

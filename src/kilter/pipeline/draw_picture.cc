@@ -8,6 +8,7 @@
 #include <unordered_set>
 
 #include "kilter/matching/conflict.h"
+#include "kilter/pipeline/pair_schedule.h"
 
 namespace kilter {
 namespace {
@@ -111,28 +112,63 @@ std::uint32_t sample_stride(const Picture& picture, const Result& result, const 
   return static_cast<std::uint32_t>(points / budget + 1);
 }
 
-PairPicture draw_pair(const PairResult& pair, const Picture& picture, const SubmapSearches& searches,
-                      const Result& result, std::uint32_t stride) {
-  const auto s = static_cast<std::size_t>(pair.id.source.value);
-  const auto t = static_cast<std::size_t>(pair.id.target.value);
+// A pair as far as its result alone tells.
+PairPicture outlined(const PairResult& pair, std::uint32_t stride) {
   PairPicture drawn;
   drawn.id = pair.id;
   drawn.stride = stride;
   drawn.registered_histogram = pair.registered_histogram;
   if (pair.registered_score) drawn.registered_parent = pair.registered_score->fit.parent;
-  if (is_sampled(pair)) {
-    const double d_m = pair.max_distance_m;
-    const auto both = [&](const Pose3& T_target_source, auto member) {
-      drawn.source.*member = samples(picture.clouds[s], stride, searches.by_centroid[t], T_target_source, d_m);
-      drawn.target.*member =
-          samples(picture.clouds[t], stride, searches.by_centroid[s], T_target_source.inverse(), d_m);
-    };
-    both(pair.T_target_source, &SamplePicture::before);
-    if (pair.T_target_source_registered) both(*pair.T_target_source_registered, &SamplePicture::after);
-  }
-  drawn.centre_world_m = centre_world_m(drawn, picture.clouds[t], result.submap(pair.id.target).T_world_submap,
-                                        result.submap(pair.id.source).T_world_submap);
   return drawn;
+}
+
+void draw_samples(const PairResult& pair, const Picture& picture, const PlacedPair& maps, PairPicture& drawn) {
+  const CloudPicture& source = picture.clouds[static_cast<std::size_t>(pair.id.source.value)];
+  const CloudPicture& target = picture.clouds[static_cast<std::size_t>(pair.id.target.value)];
+  const double d_m = pair.max_distance_m;
+  const auto both = [&](const Pose3& T_target_source, auto member) {
+    drawn.source.*member =
+        samples(source, drawn.stride, maps.target.searchable.by_centroid(), T_target_source, d_m);
+    drawn.target.*member =
+        samples(target, drawn.stride, maps.source.searchable.by_centroid(), T_target_source.inverse(), d_m);
+  };
+  both(pair.T_target_source, &SamplePicture::before);
+  if (pair.T_target_source_registered) both(*pair.T_target_source_registered, &SamplePicture::after);
+}
+
+Expected<void> draw_pairs(std::span<const SubmapNode> nodes, SubmapStore& store, const Result& result,
+                          const PictureOptions& options, const RunContext& run, Picture& picture) {
+  const std::uint32_t stride = sample_stride(picture, result, options);
+  std::vector<std::size_t> sampled;
+  std::vector<PairId> ids;
+  for (std::size_t i = 0; i < result.pairs.size(); ++i) {
+    picture.pairs.push_back(outlined(result.pairs[i], stride));
+    if (!is_sampled(result.pairs[i])) continue;
+    sampled.push_back(i);
+    ids.push_back(result.pairs[i].id);
+  }
+  const Expected<void> done = for_each_pair(nodes, store, ids, run, [&](std::size_t k, const PlacedPair& maps) {
+    draw_samples(result.pairs[sampled[k]], picture, maps, picture.pairs[sampled[k]]);
+  });
+  if (!done) return done;
+  parallel_for(picture.pairs.size(), {run.threads, run.cancelled, {}}, [&](std::size_t i) {
+    PairPicture& pair = picture.pairs[i];
+    pair.centre_world_m =
+        centre_world_m(pair, picture.clouds[static_cast<std::size_t>(pair.id.target.value)],
+                       result.submap(pair.id.target).T_world_submap, result.submap(pair.id.source).T_world_submap);
+  });
+  return {};
+}
+
+Expected<void> draw_clouds(SubmapStore& store, const Result& result, const PictureOptions& options,
+                           const RunContext& run, Picture& picture) {
+  std::size_t all_voxels = 0;
+  for (const SubmapSummary& submap : result.submaps) all_voxels += submap.occupied;
+  picture.clouds.resize(result.submaps.size());
+  return for_each_submap(store, result.submaps.size(), run, [&](std::size_t i, const SearchableMap& searchable) {
+    picture.clouds[i] =
+        thinned_cloud(searchable.map().voxels(), all_voxels, static_cast<std::size_t>(options.max_points));
+  });
 }
 
 std::uint64_t place_of(const Eigen::Vector3d& point_m) {
@@ -164,12 +200,25 @@ void raise_misalignment(CloudPicture& cloud, const Places& other, const Pose3& T
   }
 }
 
+// Numbers of the decided pairs that each submap is in.
+std::vector<std::vector<std::size_t>> decided_pairs_by_submap(const Result& result) {
+  std::vector<std::vector<std::size_t>> pairs(result.submaps.size());
+  for (std::size_t k = 0; k < result.pairs.size(); ++k) {
+    const PairResult& pair = result.pairs[k];
+    if (!pair.T_target_source_registered || pair.verdict.verdict == Verdict::kUnverified) continue;
+    pairs[static_cast<std::size_t>(pair.id.source.value)].push_back(k);
+    pairs[static_cast<std::size_t>(pair.id.target.value)].push_back(k);
+  }
+  return pairs;
+}
+
 void draw_misalignment(Picture& picture, const Result& result, const RunContext& run) {
   std::vector<Places> places(picture.clouds.size());
   parallel_for(places.size(), run, [&](std::size_t i) { places[i] = places_of(picture.clouds[i]); });
+  const std::vector<std::vector<std::size_t>> pairs = decided_pairs_by_submap(result);
   parallel_for(picture.clouds.size(), run, [&](std::size_t i) {
-    for (const PairResult& pair : result.pairs) {
-      if (!pair.T_target_source_registered || pair.verdict.verdict == Verdict::kUnverified) continue;
+    for (const std::size_t k : pairs[i]) {
+      const PairResult& pair = result.pairs[k];
       const auto s = static_cast<std::size_t>(pair.id.source.value);
       const auto t = static_cast<std::size_t>(pair.id.target.value);
       const Pose3& T = pair.T_target_source;
@@ -187,24 +236,14 @@ std::vector<OptionField> fields(PictureOptions& o) {
                        "points of all submaps together that report and archive show; more are thinned evenly")};
 }
 
-Picture draw_picture(std::span<const RobotLog> robots, std::span<const Submap> submaps, const SubmapSearches& searches,
-                     const Result& result, const PictureOptions& options, const RunContext& run) {
+Expected<Picture> draw_picture(std::span<const RobotLog> robots, std::span<const SubmapNode> nodes, SubmapStore& store,
+                               const Result& result, const PictureOptions& options, const RunContext& run) {
   Picture picture;
   if (!result.pairs.empty()) picture.max_distance_m = result.pairs.front().max_distance_m;
   for (const RobotLog& robot : robots) picture.paths.push_back(thinned_path(robot.T_world_cloud));
-  std::size_t all_voxels = 0;
-  for (const Submap& submap : submaps) all_voxels += submap.map.voxels().size();
-  picture.clouds.resize(submaps.size());
-  parallel_for(submaps.size(), run, [&](std::size_t i) {
-    picture.clouds[i] =
-        thinned_cloud(submaps[i].map.voxels(), all_voxels, static_cast<std::size_t>(options.max_points));
-  });
+  if (auto done = draw_clouds(store, result, options, run, picture); !done) return pass_up(done.error());
   draw_misalignment(picture, result, run);
-  const std::uint32_t stride = sample_stride(picture, result, options);
-  picture.pairs.resize(result.pairs.size());
-  parallel_for(result.pairs.size(), run, [&](std::size_t i) {
-    picture.pairs[i] = draw_pair(result.pairs[i], picture, searches, result, stride);
-  });
+  if (auto done = draw_pairs(nodes, store, result, options, run, picture); !done) return pass_up(done.error());
   return picture;
 }
 

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 
+#include "kilter/pipeline/check.h"
 #include "testing/scenes.h"
 
 namespace kilter {

@@ -25,6 +25,12 @@ constexpr double kFarMove_m = 0.3;
 
 // Both submaps' searches: by the points of the paper's distances, and by centroids.
 struct PairSearches {
+  explicit PairSearches(const PlacedPair& maps)
+      : source(maps.source.searchable.by_position()),
+        target(maps.target.searchable.by_position()),
+        source_centroids(maps.source.searchable.by_centroid()),
+        target_centroids(maps.target.searchable.by_centroid()) {}
+
   const NearestVoxelSearch& source;
   const NearestVoxelSearch& target;
   const NearestVoxelSearch& source_centroids;
@@ -125,7 +131,7 @@ double prior_translation_m(const CandidatePair& pair, const CheckOptions& option
   return std::max(pair.drift_allowance_m, least_m);
 }
 
-RegistrationPrior prior_of(const CandidatePair& pair, const Submap& target, const CheckOptions& options) {
+RegistrationPrior prior_of(const CandidatePair& pair, const PlacedMap& target, const CheckOptions& options) {
   return {prior_translation_m(pair, options), kPriorRotation_rad,
           target.T_world_submap.rotation().conjugate() * Eigen::Vector3d::UnitZ()};
 }
@@ -142,36 +148,20 @@ CheckOptions resolved(CheckOptions options) {
   return options;
 }
 
-SubmapSearches build_searches(std::span<const Submap> submaps, const CheckOptions& options, const RunContext& run) {
-  std::vector<std::optional<NearestVoxelSearch>> by_position(submaps.size());
-  std::vector<std::optional<NearestVoxelSearch>> by_centroid(submaps.size());
-  const double reach_m =
-      std::max(options.matching.max_distance_m, kConflictMarginVoxels * options.submap.occupancy.resolution_m);
-  parallel_for(submaps.size(), run, [&](std::size_t i) {
-    by_position[i].emplace(submaps[i].map, options.matching.position, reach_m);
-    by_centroid[i].emplace(submaps[i].map, VoxelPosition::kCentroid, reach_m);
-  });
-  SubmapSearches searches;
-  for (std::size_t i = 0; i < submaps.size() && by_centroid[i]; ++i) {
-    searches.by_position.push_back(std::move(*by_position[i]));
-    searches.by_centroid.push_back(std::move(*by_centroid[i]));
-  }
-  return searches;
+SearchSetup search_setup(const CheckOptions& options) {
+  return {options.matching.position, std::max(options.matching.max_distance_m,
+                                              kConflictMarginVoxels * options.submap.occupancy.resolution_m)};
 }
 
-PairMeasurement measure_pair(std::span<const Submap> submaps, const SubmapSearches& searches, const CandidatePair& pair,
-                             const CheckOptions& options) {
-  const auto s = static_cast<std::size_t>(pair.id.source.value);
-  const auto t = static_cast<std::size_t>(pair.id.target.value);
+PairMeasurement measure_pair(const PlacedPair& maps, const CandidatePair& pair, const CheckOptions& options) {
+  const PairSearches both(maps);
   PairMeasurement measurement;
   measurement.candidate = pair;
   PairEvidence& evidence = measurement.evidence;
   evidence.id = pair.id;
   evidence.kind = pair.kind;
-  evidence.resolution_m = submaps[s].map.resolution_m();
-  evidence.T_target_source = submaps[t].T_world_submap.inverse() * submaps[s].T_world_submap;
-  const PairSearches both{searches.by_position[s], searches.by_position[t], searches.by_centroid[s],
-                          searches.by_centroid[t]};
+  evidence.resolution_m = both.source.map().resolution_m();
+  evidence.T_target_source = maps.target.T_world_submap.inverse() * maps.source.T_world_submap;
   const bool always_listed = pair.kind == PairKind::kSequential || pair.predicted_enough;
   if (!always_listed && !could_pass_gate(both, evidence.T_target_source, options.matching)) {
     measurement.listed = false;
@@ -189,16 +179,17 @@ PairMeasurement measure_pair(std::span<const Submap> submaps, const SubmapSearch
     if (!pair.predicted_enough) return measurement;
   }
   const bool oicp = options.registration.method == RegistrationMethod::kOicp;
-  const auto& by = oicp ? searches.by_position : searches.by_centroid;
-  const RegistrationPrior prior = prior_of(pair, submaps[t], options);
+  const NearestVoxelSearch& from = oicp ? both.source : both.source_centroids;
+  const NearestVoxelSearch& onto = oicp ? both.target : both.target_centroids;
+  const RegistrationPrior prior = prior_of(pair, maps.target, options);
   if (evidence.overlaps) {
-    evidence.gap = measure_parallel_gap(submaps[s].map, submaps[t].map, evidence.T_target_source);
-    evidence.registration = align_submaps(by[s], by[t], evidence.T_target_source, options.registration, prior);
+    evidence.gap = measure_parallel_gap(both.source.map(), both.target.map(), evidence.T_target_source);
+    evidence.registration = align_submaps(from, onto, evidence.T_target_source, options.registration, prior);
     measure_registered(both, options, evidence);
   }
   if (!oicp && options.registration.wide_translation_m > 0.0 &&
       (options.registration.always_search || basin_is_doubtful(evidence))) {
-    RegistrationResult wide = align_widely(by[s], by[t], evidence.T_target_source, options.registration, prior);
+    RegistrationResult wide = align_widely(from, onto, evidence.T_target_source, options.registration, prior);
     if (wide.converged()) {
       evidence.registration = std::move(wide);
       measure_registered(both, options, evidence);
@@ -210,17 +201,13 @@ PairMeasurement measure_pair(std::span<const Submap> submaps, const SubmapSearch
   return measurement;
 }
 
-PairEvidence register_again(std::span<const Submap> submaps, const SubmapSearches& searches,
-                            const PairMeasurement& before, const Pose3& T_target_source_guess,
+PairEvidence register_again(const PlacedPair& maps, const PairMeasurement& before, const Pose3& T_target_source_guess,
                             const CheckOptions& options) {
+  const PairSearches both(maps);
   PairEvidence evidence = before.evidence;
-  const auto s = static_cast<std::size_t>(evidence.id.source.value);
-  const auto t = static_cast<std::size_t>(evidence.id.target.value);
-  const PairSearches both{searches.by_position[s], searches.by_position[t], searches.by_centroid[s],
-                          searches.by_centroid[t]};
   evidence.registration =
-      align_near(searches.by_centroid[s], searches.by_centroid[t], evidence.T_target_source, T_target_source_guess,
-                 options.registration, prior_of(before.candidate, submaps[t], options));
+      align_near(both.source_centroids, both.target_centroids, evidence.T_target_source, T_target_source_guess,
+                 options.registration, prior_of(before.candidate, maps.target, options));
   measure_registered(both, options, evidence);
   return evidence;
 }

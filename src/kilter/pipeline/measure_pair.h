@@ -2,14 +2,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <optional>
-#include <span>
-#include <vector>
 
-#include "kilter/matching/nearest_voxel.h"
 #include "kilter/pairing/propose_pairs.h"
 #include "kilter/pipeline/check.h"
+#include "kilter/pipeline/pair_schedule.h"
 #include "kilter/pipeline/result.h"
+#include "kilter/pipeline/searchable_map.h"
 #include "kilter/verification/judge.h"
 
 namespace kilter {
@@ -17,15 +17,8 @@ namespace kilter {
 /// The options with what several stages share copied from the one key that holds it.
 [[nodiscard]] CheckOptions resolved(CheckOptions options);
 
-/// Closest-voxel searches of every submap, by the points that stand for voxels in the paper's distances and by
-/// centroids, in submap order.
-struct SubmapSearches {
-  std::vector<NearestVoxelSearch> by_position;
-  std::vector<NearestVoxelSearch> by_centroid;
-};
-
-[[nodiscard]] SubmapSearches build_searches(std::span<const Submap> submaps, const CheckOptions& options,
-                                            const RunContext& run);
+/// The searches that measure_pair makes, whatever the pair. Options must be `resolved`.
+[[nodiscard]] SearchSetup search_setup(const CheckOptions& options);
 
 /// One pair, measured at the map's pose and, if it overlaps there, registered and measured again.
 struct PairMeasurement {
@@ -41,13 +34,12 @@ struct PairMeasurement {
 };
 
 /// Algorithm 1's inner step. Options must be `resolved`. Pure: same bits for any thread.
-[[nodiscard]] PairMeasurement measure_pair(std::span<const Submap> submaps, const SubmapSearches& searches,
-                                           const CandidatePair& pair, const CheckOptions& options);
+[[nodiscard]] PairMeasurement measure_pair(const PlacedPair& maps, const CandidatePair& pair,
+                                           const CheckOptions& options);
 
 /// The pair's evidence had registration started from another pose. Options must be `resolved`.
-[[nodiscard]] PairEvidence register_again(std::span<const Submap> submaps, const SubmapSearches& searches,
-                                          const PairMeasurement& before, const Pose3& T_target_source_guess,
-                                          const CheckOptions& options);
+[[nodiscard]] PairEvidence register_again(const PlacedPair& maps, const PairMeasurement& before,
+                                          const Pose3& T_target_source_guess, const CheckOptions& options);
 
 /// What the outside hears of it.
 [[nodiscard]] PairResult pair_result(const PairMeasurement& measurement, const PairVerdict& verdict,

@@ -14,9 +14,9 @@ constexpr double kWitnessConflict = 0.05;
 constexpr double kHalfAsGood = 0.5;
 
 // Where a pair lies on both journeys, without what it asks for.
-Correction place_of(std::span<const Submap> submaps, const PairEvidence& evidence) {
-  const Submap& source = submaps[static_cast<std::size_t>(evidence.id.source.value)];
-  const Submap& target = submaps[static_cast<std::size_t>(evidence.id.target.value)];
+Correction place_of(std::span<const SubmapNode> nodes, const PairEvidence& evidence) {
+  const SubmapNode& source = nodes[static_cast<std::size_t>(evidence.id.source.value)];
+  const SubmapNode& target = nodes[static_cast<std::size_t>(evidence.id.target.value)];
   Correction correction;
   correction.id = evidence.id;
   correction.source_robot = source.robot;
@@ -26,11 +26,11 @@ Correction place_of(std::span<const Submap> submaps, const PairEvidence& evidenc
   return correction;
 }
 
-Correction correction_of(std::span<const Submap> submaps, const PairEvidence& evidence) {
+Correction correction_of(std::span<const SubmapNode> nodes, const PairEvidence& evidence) {
   const RegistrationResult& registration = *evidence.registration;
-  const Pose3& T_world_source = submaps[static_cast<std::size_t>(evidence.id.source.value)].T_world_submap;
-  const Pose3& T_world_target = submaps[static_cast<std::size_t>(evidence.id.target.value)].T_world_submap;
-  Correction correction = place_of(submaps, evidence);
+  const Pose3& T_world_source = nodes[static_cast<std::size_t>(evidence.id.source.value)].T_world_submap;
+  const Pose3& T_world_target = nodes[static_cast<std::size_t>(evidence.id.target.value)].T_world_submap;
+  Correction correction = place_of(nodes, evidence);
   correction.T_world_correction = T_world_target * registration.T_target_source * T_world_source.inverse();
   correction.centre_world_m = T_world_source * (registration.T_target_source.inverse() * registration.centre_target_m);
   correction.sigma_m = std::sqrt(registration.covariance_centre.topLeftCorner<3, 3>().trace());
@@ -46,12 +46,12 @@ struct Corrections {
   std::vector<Agreement> agreements;
 };
 
-Corrections corrections_of(std::span<const Submap> submaps, std::span<const PairMeasurement> measured,
+Corrections corrections_of(std::span<const SubmapNode> nodes, std::span<const PairMeasurement> measured,
                            const AgreementOptions& options) {
   Corrections corrections;
   for (std::size_t i = 0; i < measured.size(); ++i) {
     if (!measured[i].evidence.registered) continue;
-    corrections.all.push_back(correction_of(submaps, measured[i].evidence));
+    corrections.all.push_back(correction_of(nodes, measured[i].evidence));
     corrections.pairs.push_back(i);
   }
   corrections.agreements = compare_corrections(corrections.all, options);
@@ -79,11 +79,11 @@ bool is_worth_keeping(const PairEvidence& found, const PairEvidence& before) {
 
 }  // namespace
 
-void reconsider_pairs(std::span<const Submap> submaps, const SubmapSearches& searches, const CheckOptions& options,
-                      const RunContext& run, std::vector<PairMeasurement>& measured) {
-  if (options.registration.method == RegistrationMethod::kOicp) return;
+Expected<void> reconsider_pairs(std::span<const SubmapNode> nodes, SubmapStore& store, const CheckOptions& options,
+                                const RunContext& run, std::vector<PairMeasurement>& measured) {
+  if (options.registration.method == RegistrationMethod::kOicp) return {};
   const AgreementOptions agreement{.drift_per_metre = options.pairing.drift_per_metre};
-  const Corrections first = corrections_of(submaps, measured, agreement);
+  const Corrections first = corrections_of(nodes, measured, agreement);
   store_agreements(first, measured);
   struct Try {
     std::size_t pair;
@@ -93,22 +93,25 @@ void reconsider_pairs(std::span<const Submap> submaps, const SubmapSearches& sea
   for (std::size_t i = 0; i < measured.size(); ++i) {
     const PairEvidence& evidence = measured[i].evidence;
     if (!wants_another_try(evidence, measured[i].candidate)) continue;
-    const auto suggested = suggest_correction(first.all, first.agreements, place_of(submaps, evidence), agreement);
+    const auto suggested = suggest_correction(first.all, first.agreements, place_of(nodes, evidence), agreement);
     if (!suggested) continue;
-    const Pose3& T_world_source = submaps[static_cast<std::size_t>(evidence.id.source.value)].T_world_submap;
-    const Pose3& T_world_target = submaps[static_cast<std::size_t>(evidence.id.target.value)].T_world_submap;
+    const Pose3& T_world_source = nodes[static_cast<std::size_t>(evidence.id.source.value)].T_world_submap;
+    const Pose3& T_world_target = nodes[static_cast<std::size_t>(evidence.id.target.value)].T_world_submap;
     tries.push_back({i, T_world_target.inverse() * first.all[*suggested].T_world_correction * T_world_source});
   }
+  std::vector<PairId> ids;
+  for (const Try& one : tries) ids.push_back(measured[one.pair].evidence.id);
   std::vector<PairEvidence> found(tries.size());
-  parallel_for(tries.size(), run, [&](std::size_t k) {
-    const PairMeasurement& before = measured[tries[k].pair];
-    found[k] = register_again(submaps, searches, before, tries[k].T_target_source, options);
+  const Expected<void> done = for_each_pair(nodes, store, ids, run, [&](std::size_t k, const PlacedPair& maps) {
+    found[k] = register_again(maps, measured[tries[k].pair], tries[k].T_target_source, options);
   });
+  if (!done) return done;
   for (std::size_t k = 0; k < tries.size(); ++k) {
     PairEvidence& evidence = measured[tries[k].pair].evidence;
     if (is_worth_keeping(found[k], evidence)) evidence = std::move(found[k]);
   }
-  store_agreements(corrections_of(submaps, measured, agreement), measured);
+  store_agreements(corrections_of(nodes, measured, agreement), measured);
+  return {};
 }
 
 }  // namespace kilter

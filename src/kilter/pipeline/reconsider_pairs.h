@@ -5,8 +5,11 @@
 #include <span>
 #include <vector>
 
+#include "kilter/base/expected.h"
 #include "kilter/base/parallel.h"
 #include "kilter/pipeline/measure_pair.h"
+#include "kilter/pipeline/submap_store.h"
+#include "kilter/submap/submap.h"
 
 namespace kilter {
 
@@ -14,7 +17,9 @@ namespace kilter {
 /// that was never registered, is tried again from where its best-supported neighbour would put it, and keeps what it
 /// finds there if that is at least half as good. Leaves in every registered pair how many of its neighbours ask for the
 /// same (`PairEvidence::agreement`). Does nothing to the paper's own registration. Deterministic.
-void reconsider_pairs(std::span<const Submap> submaps, const SubmapSearches& searches, const CheckOptions& options,
-                      const RunContext& run, std::vector<PairMeasurement>& measured);
+/// \return what the store failed with.
+[[nodiscard]] Expected<void> reconsider_pairs(std::span<const SubmapNode> nodes, SubmapStore& store,
+                                              const CheckOptions& options, const RunContext& run,
+                                              std::vector<PairMeasurement>& measured);
 
 }  // namespace kilter

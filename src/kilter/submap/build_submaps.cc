@@ -76,44 +76,63 @@ Expected<VoxelMap> map_of_clouds(const RobotLog& log, const ScanRange& range, co
   return builder.finish();
 }
 
-Expected<Submap> build_one(const RobotLog& log, const ScanRange& range, const SubmapOptions& options,
-                           const RunContext& run) {
-  Submap submap;
-  submap.T_world_submap = log.T_world_cloud[range.first];
-  if (!log.finished_submaps) submap.scans = range;
-  const bool has_cells = log.finished_submaps && log.read_cells;
-  Expected<VoxelMap> map = has_cells ? map_of_cells(log, range.first, options.occupancy)
-                                     : map_of_clouds(log, range, options.occupancy, run, submap);
-  if (!map) return pass_up(map.error());
-  submap.map = *std::move(map);
-  return submap;
+// What of the log a submap is made of: its scans, or the one finished submap of its number.
+ScanRange clouds_of(const SubmapNode& node) {
+  const auto number = static_cast<std::size_t>(node.index);
+  return node.scans.value_or(ScanRange{number, number});
 }
 
 }  // namespace
 
-Expected<std::vector<Submap>> build_submaps(const RobotLog& log, int robot_number, const SubmapOptions& options,
-                                            const RunContext& run, const std::optional<std::vector<ScanRange>>& cuts) {
-  std::vector<ScanRange> ranges = log.finished_submaps ? one_per_cloud(log.T_world_cloud.size())
-                                                       : cut_trajectory(log.T_world_cloud, options.cutting);
+Expected<std::vector<SubmapNode>> plan_submaps(const RobotLog& log, int robot_number, const CuttingOptions& options,
+                                               const std::optional<std::vector<ScanRange>>& cuts) {
+  std::vector<ScanRange> ranges =
+      log.finished_submaps ? one_per_cloud(log.T_world_cloud.size()) : cut_trajectory(log.T_world_cloud, options);
   if (cuts && !log.finished_submaps) {
     const Expected<void> fit = check_cuts(log, *cuts);
     if (!fit) return pass_up(fit.error());
     ranges = *cuts;
   }
   const std::vector<double> path = path_lengths_m(log.T_world_cloud);
-  std::vector<Expected<Submap>> built(ranges.size(), fail(ErrorCode::kCancelled, "stopped while building submaps"));
-  parallel_for(ranges.size(), run, [&](std::size_t i) { built[i] = build_one(log, ranges[i], options, run); });
-  std::vector<Submap> submaps;
-  submaps.reserve(ranges.size());
+  std::vector<SubmapNode> nodes(ranges.size());
   for (std::size_t i = 0; i < ranges.size(); ++i) {
-    if (!built[i]) return pass_up(built[i].error());
-    Submap& submap = submaps.emplace_back(std::move(*built[i]));
-    submap.id = {static_cast<int>(i)};
-    submap.robot = robot_number;
-    submap.index = static_cast<int>(i);
-    submap.name = fmt::format("{}/{}", log.name, i + 1);
-    submap.path_start_m = path[ranges[i].first];
-    submap.path_end_m = path[ranges[i].last];
+    SubmapNode& node = nodes[i];
+    node.id = {static_cast<int>(i)};
+    node.robot = robot_number;
+    node.index = static_cast<int>(i);
+    node.name = fmt::format("{}/{}", log.name, i + 1);
+    if (!log.finished_submaps) node.scans = ranges[i];
+    node.T_world_submap = log.T_world_cloud[ranges[i].first];
+    node.path_start_m = path[ranges[i].first];
+    node.path_end_m = path[ranges[i].last];
+  }
+  return nodes;
+}
+
+Expected<Submap> build_submap(const RobotLog& log, SubmapNode plan, const OccupancyOptions& options,
+                              const RunContext& run) {
+  Submap submap{std::move(plan), {}};
+  const ScanRange clouds = clouds_of(submap);
+  const bool has_cells = log.finished_submaps && log.read_cells;
+  Expected<VoxelMap> map =
+      has_cells ? map_of_cells(log, clouds.first, options) : map_of_clouds(log, clouds, options, run, submap);
+  if (!map) return pass_up(map.error());
+  submap.map = *std::move(map);
+  return submap;
+}
+
+Expected<std::vector<Submap>> build_submaps(const RobotLog& log, int robot_number, const SubmapOptions& options,
+                                            const RunContext& run, const std::optional<std::vector<ScanRange>>& cuts) {
+  const Expected<std::vector<SubmapNode>> plan = plan_submaps(log, robot_number, options.cutting, cuts);
+  if (!plan) return pass_up(plan.error());
+  std::vector<Expected<Submap>> built(plan->size(), fail(ErrorCode::kCancelled, "stopped while building submaps"));
+  parallel_for(plan->size(), run,
+               [&](std::size_t i) { built[i] = build_submap(log, (*plan)[i], options.occupancy, run); });
+  std::vector<Submap> submaps;
+  submaps.reserve(built.size());
+  for (Expected<Submap>& submap : built) {
+    if (!submap) return pass_up(submap.error());
+    submaps.push_back(*std::move(submap));
   }
   return submaps;
 }

@@ -18,14 +18,28 @@ struct SubmapOptions {
   OccupancyOptions occupancy;
 };
 
-/// Cuts one robot's log into submaps and builds their occupancy maps (Sec. III-A, Eq. 1), submaps in parallel, each
-/// reading its own scans. A finished submap is one of its own: from points, or from cells as map_from_cells has it.
+/// Where one robot's submaps begin and end (Sec. III-A), before any scan is read.
 ///
-/// \param robot_number  goes into Submap::robot.
+/// \param robot_number  goes into SubmapNode::robot.
 /// \param cuts          use these ranges instead of cutting; they must cover the log without gaps.
-/// \return submaps in order with ids 0, 1, ... (to be renumbered by the caller); the first failing scan's error in scan
-///   order; kCountMismatch if `cuts` do not fit; kCancelled.
-/// Cost: O(points * range / resolution); memory: one submap's scans per thread.
+/// \return nodes in order with ids 0, 1, ... (to be renumbered by the caller), without what only scans tell
+///   (`origins_m`, `dropped_points`); kCountMismatch if `cuts` do not fit.
+[[nodiscard]] Expected<std::vector<SubmapNode>> plan_submaps(const RobotLog& log, int robot_number,
+                                                             const CuttingOptions& options,
+                                                             const std::optional<std::vector<ScanRange>>& cuts = {});
+
+/// Builds the occupancy map of one planned submap from its own scans (Eq. 1). A finished submap comes from its points,
+/// or from its cells as map_from_cells has it.
+///
+/// \param plan  one of what plan_submaps returned for the same log.
+/// \return the submap; its first failing scan's error; kCancelled.
+/// Cost: O(points * range / resolution); memory: its scans' points.
+[[nodiscard]] Expected<Submap> build_submap(const RobotLog& log, SubmapNode plan, const OccupancyOptions& options,
+                                            const RunContext& run);
+
+/// All of one robot's submaps, planned and built, submaps in parallel.
+///
+/// \return submaps in order with ids 0, 1, ...; the first error of build_submap in scan order, or of plan_submaps.
 [[nodiscard]] Expected<std::vector<Submap>> build_submaps(const RobotLog& log, int robot_number,
                                                           const SubmapOptions& options, const RunContext& run,
                                                           const std::optional<std::vector<ScanRange>>& cuts = {});

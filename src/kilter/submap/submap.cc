@@ -4,13 +4,13 @@
 
 namespace kilter {
 
-Eigen::AlignedBox3d Submap::bounds_world_m() const {
-  Eigen::AlignedBox3d box;
-  if (map.bounds_m().isEmpty()) return box;
+Eigen::AlignedBox3d moved_box(const Eigen::AlignedBox3d& box_m, const Pose3& T) {
+  Eigen::AlignedBox3d moved_m;
+  if (box_m.isEmpty()) return moved_m;
   for (int corner = 0; corner < 8; ++corner) {
-    box.extend(T_world_submap * map.bounds_m().corner(static_cast<Eigen::AlignedBox3d::CornerType>(corner)));
+    moved_m.extend(T * box_m.corner(static_cast<Eigen::AlignedBox3d::CornerType>(corner)));
   }
-  return box;
+  return moved_m;
 }
 
 }  // namespace kilter

@@ -14,23 +14,30 @@
 
 namespace kilter {
 
-/// A node of the seed's graph (Eq. 1): a short piece of one robot's journey as an occupancy map of its own.
-struct Submap {
+/// A node of the seed's graph (Eq. 1): a short piece of one robot's journey. All of a submap but its voxels.
+struct SubmapNode {
   SubmapId id;
   int robot = 0;                   ///< number of the robot in the mission
   int index = 0;                   ///< 0-based within the robot; the outside counts from 1
   std::string name;                ///< "a/1"
   std::optional<ScanRange> scans;  ///< absent for finished submaps
   Pose3 T_world_submap;            ///< pose of the first scan
-  VoxelMap map;                    ///< in the submap's frame
   /// Where the sensor was at each scan, in the submap's frame; empty for finished submaps. [m]
   std::vector<Eigen::Vector3d> origins_m;
   double path_start_m = 0.0;       ///< travelled by the robot before this submap
   double path_end_m = 0.0;         ///< travelled by the robot when this submap ended
   std::size_t dropped_points = 0;  ///< NaN, infinite or out of reach while reading
+};
+
+/// Box around a box that is moved, for what is axis-aligned in one frame and asked for in another; empty if it is. [m]
+[[nodiscard]] Eigen::AlignedBox3d moved_box(const Eigen::AlignedBox3d& box_m, const Pose3& T);
+
+/// A node with its piece of the world, as an occupancy map of its own.
+struct Submap : SubmapNode {
+  VoxelMap map;  ///< in the submap's frame
 
   /// Box around the occupied voxels, in the world frame. [m]
-  [[nodiscard]] Eigen::AlignedBox3d bounds_world_m() const;
+  [[nodiscard]] Eigen::AlignedBox3d bounds_world_m() const { return moved_box(map.bounds_m(), T_world_submap); }
 };
 
 /// What stays of a robot once its submaps are built.

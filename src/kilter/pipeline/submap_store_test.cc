@@ -1,0 +1,139 @@
+// SPDX-FileCopyrightText: The kilter authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "kilter/pipeline/submap_store.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cstring>
+#include <mutex>
+#include <thread>
+
+#include "kilter/occupancy/map_builder.h"
+#include "kilter/occupancy/voxel_map_bytes.h"
+#include "testing/memory_spill.h"
+
+namespace kilter {
+namespace {
+
+using testing::MemorySpill;
+
+// A wall that only submap `number` has.
+VoxelMap wall(int number) {
+  std::vector<Eigen::Vector3d> points;
+  for (int y = 0; y < 20 + number; ++y) {
+    for (int z = 0; z < 20; ++z) points.emplace_back(0.31 + 0.1 * number, 0.1 * y + 0.03, 0.1 * z + 0.04);
+  }
+  MapBuilder builder({.resolution_m = 0.1});
+  builder.insert_points(points);
+  return builder.finish();
+}
+
+std::size_t size_of(int number) { return SearchableMap(wall(number), {}).bytes(); }
+
+void fill(SubmapStore& store, int count) {
+  for (int i = 0; i < count; ++i) ASSERT_TRUE(store.add({i}, wall(i)).has_value()) << i;
+}
+
+TEST(SubmapStore, WithoutALimitNothingGoesOut) {
+  MemorySpill spill;
+  SubmapStore store(6, {}, {0, &spill});
+  fill(store, 6);
+  EXPECT_EQ(spill.written(), 0U);
+  const auto pair = store.pin(PairId{{5}, {2}});
+  ASSERT_TRUE(pair.has_value());
+  EXPECT_EQ(bytes_of_map(pair->source->map()), bytes_of_map(wall(5)));
+  EXPECT_EQ(bytes_of_map(pair->target->map()), bytes_of_map(wall(2)));
+}
+
+TEST(SubmapStore, WhatWentOutComesBackTheSameAndIsWrittenOnce) {
+  MemorySpill spill;
+  SubmapStore store(6, {}, {2 * size_of(6), &spill});
+  fill(store, 6);
+  for (int round = 0; round < 3; ++round) {
+    for (int i = 0; i < 6; ++i) {
+      const auto map = store.pin(SubmapId{i});
+      ASSERT_TRUE(map.has_value()) << map.error().message;
+      EXPECT_EQ(bytes_of_map((*map)->map()), bytes_of_map(wall(i)));
+    }
+  }
+  EXPECT_LE(spill.written(), 6U);
+  EXPECT_GT(spill.reads(), 6U);
+}
+
+TEST(SubmapStore, TheLeastRecentlyUsedGoesFirst) {
+  MemorySpill spill;
+  SubmapStore store(4, {}, {3 * size_of(4), &spill});
+  fill(store, 3);
+  ASSERT_TRUE(store.pin(SubmapId{0}).has_value());
+  ASSERT_TRUE(store.add({3}, wall(3)).has_value());  // instead of 1
+  ASSERT_TRUE(store.pin(SubmapId{0}).has_value());
+  ASSERT_TRUE(store.pin(SubmapId{2}).has_value());
+  EXPECT_EQ(spill.reads(), 0U);
+  ASSERT_TRUE(store.pin(SubmapId{1}).has_value());
+  EXPECT_EQ(spill.reads(), 1U);
+}
+
+// Room for one pair and a bit, eight threads that want one each: they take turns.
+TEST(SubmapStore, ManyThreadsGetAlongWithRoomForOnePair) {
+  constexpr int kSubmaps = 9;
+  MemorySpill spill;
+  SubmapStore store(kSubmaps, {}, {size_of(kSubmaps - 1) + size_of(kSubmaps - 2), &spill});
+  fill(store, kSubmaps);
+  std::atomic<int> right = 0;
+  {
+    std::vector<std::jthread> threads;
+    for (int t = 0; t < 8; ++t) {
+      threads.emplace_back([&, t] {
+        for (int k = 0; k < 40; ++k) {
+          const int a = (t + k) % kSubmaps;
+          const int b = (t + 5 * k + 1) % kSubmaps;
+          if (a == b) continue;
+          const auto pair = store.pin(PairId{{a}, {b}});
+          if (!pair) return;
+          if (pair->source->map().voxels().size() != wall(a).voxels().size()) return;
+          if (pair->target->by_centroid().map().voxels().size() != wall(b).voxels().size()) return;
+        }
+        ++right;
+      });
+    }
+  }
+  EXPECT_EQ(right, 8);
+}
+
+TEST(SubmapStore, APairBeyondTheLimitIsRefused) {
+  MemorySpill spill;
+  SubmapStore store(3, {}, {size_of(2) + size_of(0) / 2, &spill});
+  fill(store, 3);
+  const auto pair = store.pin(PairId{{2}, {1}});
+  ASSERT_FALSE(pair.has_value());
+  EXPECT_EQ(pair.error().code, ErrorCode::kOutOfMemory);
+  EXPECT_EQ(store.pin(SubmapId{0}).error().code, ErrorCode::kOutOfMemory) << "a failure stays";
+}
+
+TEST(SubmapStore, WithoutSpillSpaceAllMustFit) {
+  SubmapStore store(3, {}, {2 * size_of(3), nullptr});
+  fill(store, 2);
+  EXPECT_EQ(store.add({2}, wall(2)).error().code, ErrorCode::kOutOfMemory);
+}
+
+TEST(SubmapStore, SaysThatTheDiskIsFullAndThatBytesCameBackWrong) {
+  MemorySpill full;
+  full.refuse_writes({ErrorCode::kNoSpace, "full", "/somewhere", {}});
+  SubmapStore one(3, {}, {2 * size_of(3), &full});
+  fill(one, 2);
+  const auto refused = one.add({2}, wall(2));
+  ASSERT_FALSE(refused.has_value());
+  EXPECT_EQ(refused.error().code, ErrorCode::kNoSpace);
+  EXPECT_EQ(refused.error().where, "/somewhere");
+  EXPECT_NE(refused.error().hint.find("TMPDIR"), std::string::npos);
+
+  MemorySpill damaged;
+  SubmapStore two(3, {}, {2 * size_of(3), &damaged});
+  fill(two, 3);
+  damaged.flip_a_bit();
+  EXPECT_EQ(two.pin(SubmapId{0}).error().code, ErrorCode::kOutOfMemory);
+}
+
+}  // namespace
+}  // namespace kilter
