@@ -54,7 +54,7 @@ Corrections corrections_of(std::span<const SubmapNode> nodes, std::span<const Pa
     corrections.all.push_back(correction_of(nodes, measured[i].evidence));
     corrections.pairs.push_back(i);
   }
-  corrections.agreements = compare_corrections(corrections.all, options);
+  corrections.agreements = compare_corrections({corrections.all, options});
   return corrections;
 }
 
@@ -89,11 +89,12 @@ Expected<void> reconsider_pairs(std::span<const SubmapNode> nodes, SubmapStore& 
     std::size_t pair;
     Pose3 T_target_source;
   };
+  const CorrectionIndex index(first.all, agreement);
   std::vector<Try> tries;
   for (std::size_t i = 0; i < measured.size(); ++i) {
     const PairEvidence& evidence = measured[i].evidence;
     if (!wants_another_try(evidence, measured[i].candidate)) continue;
-    const auto suggested = suggest_correction(first.all, first.agreements, place_of(nodes, evidence), agreement);
+    const auto suggested = suggest_correction(index, first.agreements, place_of(nodes, evidence));
     if (!suggested) continue;
     const Pose3& T_world_source = nodes[static_cast<std::size_t>(evidence.id.source.value)].T_world_submap;
     const Pose3& T_world_target = nodes[static_cast<std::size_t>(evidence.id.target.value)].T_world_submap;

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <tuple>
 
 namespace kilter {
 namespace {
@@ -13,6 +15,14 @@ constexpr double kSigmas = 2.0;
 constexpr double kInformative_m = 0.5;  // allowances below it always tell something
 constexpr double kInformativeShare = 0.5;
 constexpr int kSupported = 2;
+
+constexpr double kRounding_m = 1e-6;
+
+using Key = std::tuple<int, int, double>;
+
+Key key_of(const Correction& correction) {
+  return {correction.source_robot, correction.target_robot, correction.source_path_m};
+}
 
 double way_m(const Correction& a, const Correction& b) {
   return std::abs(a.source_path_m - b.source_path_m) + std::abs(a.target_path_m - b.target_path_m);
@@ -53,14 +63,40 @@ Say compare(const Correction& a, const Correction& b, const AgreementOptions& op
 
 }  // namespace
 
-std::vector<Agreement> compare_corrections(std::span<const Correction> corrections, const AgreementOptions& options) {
+CorrectionIndex::CorrectionIndex(std::span<const Correction> corrections, const AgreementOptions& options)
+    : corrections_(corrections), options_(options), order_(corrections.size()) {
+  std::iota(order_.begin(), order_.end(), std::size_t{0});
+  std::sort(order_.begin(), order_.end(),
+            [&](std::size_t a, std::size_t b) { return key_of(corrections_[a]) < key_of(corrections_[b]); });
+}
+
+std::vector<std::size_t> CorrectionIndex::near(const Correction& own) const {
+  // Rounding must not lose one at the border; comparable() decides.
+  const double reach_m = options_.neighbourhood_m + kRounding_m;
+  Key first = key_of(own);
+  std::get<2>(first) -= reach_m;
+  Key last = key_of(own);
+  std::get<2>(last) += reach_m;
+  std::vector<std::size_t> found;
+  auto place = std::lower_bound(order_.begin(), order_.end(), first,
+                                [&](std::size_t i, const Key& key) { return key_of(corrections_[i]) < key; });
+  for (; place != order_.end() && key_of(corrections_[*place]) <= last; ++place) {
+    if (comparable(own, corrections_[*place], options_)) found.push_back(*place);
+  }
+  std::sort(found.begin(), found.end());
+  return found;
+}
+
+std::vector<Agreement> compare_corrections(const CorrectionIndex& index) {
+  const std::span<const Correction> corrections = index.corrections();
+  const AgreementOptions& options = index.options();
   std::vector<Agreement> agreements(corrections.size());
   for (std::size_t i = 0; i < corrections.size(); ++i) {
     const Correction& own = corrections[i];
     Agreement& agreement = agreements[i];
     double nearest_m = options.neighbourhood_m;
-    for (const Correction& other : corrections) {
-      if (!comparable(own, other, options)) continue;
+    for (const std::size_t k : index.near(own)) {
+      const Correction& other = corrections[k];
       const Say say = compare(own, other, options);
       if (say == Say::kOther && close_over_same_way(own, other)) {
         ++agreement.contradicting;
@@ -78,12 +114,12 @@ std::vector<Agreement> compare_corrections(std::span<const Correction> correctio
   return agreements;
 }
 
-std::optional<std::size_t> suggest_correction(std::span<const Correction> corrections,
-                                              std::span<const Agreement> agreements, const Correction& pair,
-                                              const AgreementOptions& options) {
+std::optional<std::size_t> suggest_correction(const CorrectionIndex& index, std::span<const Agreement> agreements,
+                                              const Correction& pair) {
+  const std::span<const Correction> corrections = index.corrections();
   std::optional<std::size_t> best;
-  for (std::size_t i = 0; i < corrections.size(); ++i) {
-    if (!comparable(pair, corrections[i], options) || agreements[i].agreeing < kSupported) continue;
+  for (const std::size_t i : index.near(pair)) {
+    if (agreements[i].agreeing < kSupported) continue;
     const bool better = !best || agreements[i].agreeing_weight > agreements[*best].agreeing_weight ||
                         (agreements[i].agreeing_weight == agreements[*best].agreeing_weight &&
                          way_m(pair, corrections[i]) < way_m(pair, corrections[*best]));

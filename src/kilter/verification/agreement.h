@@ -52,21 +52,38 @@ struct AgreementOptions {
   double neighbourhood_m = 40.0;  ///< way along both journeys within which corrections are compared. [m]
 };
 
-/// Compares each correction with every other between the same two robots (or within the same one) not farther than the
-/// neighbourhood along both journeys. Two of them close a cycle with the odometry between their ends; they agree if
-/// they put the first one's overlap to places nearer than twice their joint standard deviation plus the drift allowed
-/// on the way and a decimetre. Where that allowance exceeds half of what they ask for (and half a metre), they say
-/// nothing about each other. Within one robot, those that close over none of the same way may agree, but do not
+/// Corrections by where their sources lie on which journey, so that those near one are found without asking all.
+class CorrectionIndex {
+ public:
+  /// They must outlive it. O(n log n).
+  CorrectionIndex(std::span<const Correction> corrections, const AgreementOptions& options);
+
+  [[nodiscard]] std::span<const Correction> corrections() const { return corrections_; }
+  [[nodiscard]] const AgreementOptions& options() const { return options_; }
+
+  /// Numbers, ascending, of those between the same two robots (or within the same one) as `own`, not farther than the
+  /// neighbourhood along both journeys, without itself.
+  [[nodiscard]] std::vector<std::size_t> near(const Correction& own) const;
+
+ private:
+  std::span<const Correction> corrections_;
+  AgreementOptions options_;
+  std::vector<std::size_t> order_;  // by robots and the source's path
+};
+
+/// Compares each correction with those near it. Two of them close a cycle with the odometry between their ends; they
+/// agree if they put the first one's overlap to places nearer than twice their joint standard deviation plus the drift
+/// allowed on the way and a decimetre. Where that allowance exceeds half of what they ask for (and half a metre), they
+/// say nothing about each other. Within one robot, those that close over none of the same way may agree, but do not
 /// contradict: odometry may have slipped under one of them.
-/// \return one entry per correction, in order. O(n^2) within a pair of robots, distances along journeys first.
-[[nodiscard]] std::vector<Agreement> compare_corrections(std::span<const Correction> corrections,
-                                                         const AgreementOptions& options);
+/// \return one entry per correction, in order. O(n times the pairs within a neighbourhood).
+[[nodiscard]] std::vector<Agreement> compare_corrections(const CorrectionIndex& index);
 
 /// Which correction a pair that is contradicted, or was never registered, should try: that of the best-supported
-/// neighbour (most agreeing weight, then the shortest way), as an index into `corrections`; absent if no neighbour has
-/// two agreeing ones.
-[[nodiscard]] std::optional<std::size_t> suggest_correction(std::span<const Correction> corrections,
+/// neighbour (most agreeing weight, then the shortest way), as a number of the index; absent if no neighbour has two
+/// agreeing ones.
+[[nodiscard]] std::optional<std::size_t> suggest_correction(const CorrectionIndex& index,
                                                             std::span<const Agreement> agreements,
-                                                            const Correction& pair, const AgreementOptions& options);
+                                                            const Correction& pair);
 
 }  // namespace kilter

@@ -4,6 +4,10 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
+#include "kilter/base/rng.h"
+
 namespace kilter {
 namespace {
 
@@ -21,11 +25,41 @@ Correction asking(int i, const Eigen::Vector3d& shift_m) {
   return correction;
 }
 
+std::vector<Agreement> compared(const std::vector<Correction>& corrections, const AgreementOptions& options = {}) {
+  return compare_corrections({corrections, options});
+}
+
+// Whatever their order, near() finds what asking all of them would find.
+TEST(CorrectionIndex, FindsThoseNearAndNoOthers) {
+  std::vector<Correction> corrections;
+  Rng rng(7, 1);
+  for (int i = 0; i < 300; ++i) {
+    Correction& correction = corrections.emplace_back(asking(i, {0.0, 0.0, 0.0}));
+    correction.source_robot = static_cast<int>(rng.uniform() * 3.0);
+    correction.target_robot = static_cast<int>(rng.uniform() * 2.0);
+    correction.source_path_m = std::floor(rng.uniform() * 200.0);
+    correction.target_path_m = std::floor(rng.uniform() * 200.0);
+  }
+  const CorrectionIndex index(corrections, {});
+  for (std::size_t i = 0; i < corrections.size(); ++i) {
+    std::vector<std::size_t> expected;
+    for (std::size_t k = 0; k < corrections.size(); ++k) {
+      const Correction& a = corrections[i];
+      const Correction& b = corrections[k];
+      const double way_m = std::abs(a.source_path_m - b.source_path_m) + std::abs(a.target_path_m - b.target_path_m);
+      if (k != i && a.source_robot == b.source_robot && a.target_robot == b.target_robot && way_m <= 40.0) {
+        expected.push_back(k);
+      }
+    }
+    EXPECT_EQ(index.near(corrections[i]), expected) << i;
+  }
+}
+
 TEST(CompareCorrections, TheOddOneOutIsContradictedAndTheOthersAreNot) {
   std::vector<Correction> corrections;
   for (int i = 0; i < 5; ++i) corrections.push_back(asking(i, {3.0, 0.5, 0.0}));
   corrections[2] = asking(2, {-2.0, 4.0, 0.0});
-  const std::vector<Agreement> agreements = compare_corrections(corrections, {});
+  const std::vector<Agreement> agreements = compared(corrections);
   EXPECT_TRUE(agreements[2].contradicted());
   EXPECT_EQ(agreements[2].agreeing, 0);
   for (const std::size_t i : {0U, 1U, 3U, 4U}) {
@@ -37,16 +71,16 @@ TEST(CompareCorrections, TheOddOneOutIsContradictedAndTheOthersAreNot) {
 TEST(CompareCorrections, DriftOnTheWayIsAllowedFor) {
   // 20 m of journey each way may bend by 0.4 m; what they ask for is far more.
   const std::vector<Correction> corrections = {asking(0, {2.0, 0.0, 0.0}), asking(2, {2.4, 0.0, 0.0})};
-  EXPECT_EQ(compare_corrections(corrections, {})[0].agreeing, 1);
-  EXPECT_EQ(compare_corrections(corrections, {.drift_per_metre = 0.001})[0].contradicting, 1);
+  EXPECT_EQ(compared(corrections)[0].agreeing, 1);
+  EXPECT_EQ(compared(corrections, {.drift_per_metre = 0.001})[0].contradicting, 1);
 }
 
 TEST(CompareCorrections, OtherRobotsAndFarPiecesSayNothing) {
   std::vector<Correction> corrections = {asking(0, {2.0, 0.0, 0.0}), asking(1, {0.0, 0.0, 0.0})};
   corrections[1].source_robot = 2;
-  EXPECT_EQ(compare_corrections(corrections, {})[0].contradicting, 0);
+  EXPECT_EQ(compared(corrections)[0].contradicting, 0);
   corrections[1] = asking(9, {0.0, 0.0, 0.0});
-  EXPECT_EQ(compare_corrections(corrections, {})[0].contradicting, 0);
+  EXPECT_EQ(compared(corrections)[0].contradicting, 0);
 }
 
 // Odometry slipped between submaps 2 and 3 of one robot: the pairs before and after it rightly ask for nothing.
@@ -60,37 +94,37 @@ TEST(CompareCorrections, PairsBesideASlipDoNotContradictTheOneAcrossIt) {
   };
   std::vector<Correction> corrections = {sequential(1, 0.0), sequential(2, 0.0), sequential(3, 0.5),
                                          sequential(4, 0.0)};
-  EXPECT_EQ(compare_corrections(corrections, {})[2].contradicting, 0);
+  EXPECT_EQ(compared(corrections)[2].contradicting, 0);
   // One that reaches across the slip as well does speak.
   corrections.push_back(sequential(4, -0.5));
   corrections.back().id = {{4}, {2}};
   corrections.back().target_path_m = 20.0;
-  EXPECT_EQ(compare_corrections(corrections, {})[2].contradicting, 1);
+  EXPECT_EQ(compared(corrections)[2].contradicting, 1);
 }
 
 // A correction whose free direction could hide the difference does not contradict.
 TEST(CompareCorrections, UncertainCorrectionsSayNothing) {
   std::vector<Correction> corrections = {asking(0, {0.6, 0.0, 0.0}), asking(1, {0.0, 0.0, 0.0})};
   corrections[1].sigma_m = 1.0;
-  const Agreement agreement = compare_corrections(corrections, {})[0];
+  const Agreement agreement = compared(corrections)[0];
   EXPECT_EQ(agreement.agreeing + agreement.contradicting, 0);
 }
 
 TEST(CompareCorrections, AmbiguousNeighboursAreNotEnoughToContradict) {
   std::vector<Correction> corrections = {asking(0, {3.0, 0.0, 0.0}), asking(1, {-3.0, 0.0, 0.0})};
   corrections[1].weight = 0.1;
-  EXPECT_FALSE(compare_corrections(corrections, {})[0].contradicted());
+  EXPECT_FALSE(compared(corrections)[0].contradicted());
 }
 
 TEST(SuggestCorrection, TakesWhatTheNeighboursAgreeOn) {
   std::vector<Correction> corrections;
   for (int i = 0; i < 4; ++i) corrections.push_back(asking(i, {3.0, 0.5, 0.0}));
   corrections.push_back(asking(4, {-5.0, 0.0, 0.0}));
-  const std::vector<Agreement> agreements = compare_corrections(corrections, {});
-  const auto suggested = suggest_correction(corrections, agreements, corrections[4], {});
+  const std::vector<Agreement> agreements = compared(corrections);
+  const auto suggested = suggest_correction({corrections, {}}, agreements, corrections[4]);
   ASSERT_TRUE(suggested.has_value());
   EXPECT_NEAR(corrections[*suggested].T_world_correction.translation_m().x(), 3.0, 1e-12);
-  EXPECT_FALSE(suggest_correction({}, {}, corrections[4], {}).has_value());
+  EXPECT_FALSE(suggest_correction({{}, {}}, {}, corrections[4]).has_value());
 }
 
 }  // namespace
