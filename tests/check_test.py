@@ -307,7 +307,7 @@ class Trouble(CheckCase):
         self.assertEqual({path.name for path in self.out.iterdir()}, FILES)
 
     def test_no_place_for_what_memory_leaves_out_is_said_and_ends_with_5(self):
-        run = self.check("--memory", "1M", environment={"TMPDIR": "/no/such/folder"})
+        run = self.check("--memory", "2M", environment={"TMPDIR": "/no/such/folder"})
         self.assertEqual(run.status, 5, run.stderr)
         self.assertRegex(run.stderr, r"(?m)^out-of-memory: /no/such/folder: submaps that --memory leaves no room for: ")
         self.assertFalse(self.out.exists())

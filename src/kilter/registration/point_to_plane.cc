@@ -38,6 +38,7 @@ constexpr double kLeastCoarseShare = 0.6;   // of the best coarse score, to be d
 constexpr double kConflictCost = 3.0;       // voxels of support that one conflicting voxel outweighs
 constexpr double kHomeBonus = 1.2;          // the map's own basin is left for something clearly better only
 constexpr double kWideRefinement_m = 1.0;   // a coarse pose is good to a cell or two
+constexpr double kWideTurn_rad = 0.05;
 constexpr double kMostRise_m = 1.0;         // vertically; lidar poses drift less in height
 constexpr double kDistinctVoxels = 5.0;     // optima nearer than this are one
 constexpr double kSameVoxels = 1.0;         // and nearer than this, judged once
@@ -54,6 +55,7 @@ bool out_of_range(const Pose3& start, const Pose3& now, const Eigen::Vector3d& c
 struct Descent {
   StopReason stop = StopReason::kTooFewMatches;
   Pose3 T;
+  Eigen::Vector3d centre_m = Eigen::Vector3d::Zero();  // of what last met, target frame
   int iterations = 0;
 
   [[nodiscard]] bool ended() const { return stop == StopReason::kConverged || stop == StopReason::kMaxIterations; }
@@ -98,6 +100,7 @@ Descent descend(PlanePair& pair, const Pose3& start, const RegistrationOptions& 
     }
     const Vector6 step = solve_observable(equations, split);
     descent.T = motion_about(equations.centre_m, step) * descent.T;
+    descent.centre_m = equations.centre_m;
     if (out_of_range(start, descent.T, equations.centre_m, range_m, options.max_rotation_rad)) {
       descent.stop = StopReason::kOutOfRange;
       return descent;
@@ -289,6 +292,11 @@ RegistrationResult align_widely(const NearestVoxelSearch& source, const NearestV
     const double range_m = from.translation_m() == start.translation_m() ? reach_m : kWideRefinement_m;
     const Descent descent = descend(pair, from, quick, range_m + options.search_distance_m);
     if (!descent.ended()) continue;
+    // The coarse search turns about the source's middle, which may lie far from what meets in the end.
+    if (out_of_range(start, descent.T, descent.centre_m, reach_m + kWideRefinement_m,
+                     options.max_rotation_rad + kWideTurn_rad)) {
+      continue;
+    }
     const bool known = std::any_of(optima.begin(), optima.end(), [&](const Optimum& other) {
       return apart_m(source.map(), other.descent.T, descent.T) < kSameVoxels * resolution_m;
     });

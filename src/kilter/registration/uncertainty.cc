@@ -11,6 +11,8 @@ namespace {
 // on floors and walls of three worlds; all voxels of a surface cut it at much the same height, so their number is no
 // help.
 constexpr double kPatchShare = 0.6;
+// And never by less: two submaps of the same scans have no residuals, and are not known without bounds.
+constexpr double kLeastPatch_m = 1e-4;
 // A bend is smooth: what lies this near each other is off alike. [m]
 constexpr double kBendCell_m = 8.0;
 // A bend is the length of a displacement, mostly level: half its square along each level axis.
@@ -26,7 +28,7 @@ Matrix6 displacement_form(const Eigen::Matrix3d& scatter_m2) {
 
 Matrix6 plane_covariance(std::span<const PlaneResidual> residuals, const NormalEquations& equations,
                          const ObservableSplit& split, const Bend& bend) {
-  const PatchOffsets of_surfaces{.cell_m = kPatch_m, .of_residuals = kPatchShare};
+  const PatchOffsets of_surfaces{.cell_m = kPatch_m, .of_residuals = kPatchShare, .sigma_m = kLeastPatch_m};
   const PatchOffsets of_bend{.cell_m = kBendCell_m, .sigma_m = std::sqrt(kBendShare) * bend.rms_m};
   return offset_covariance(residuals, equations, split, of_surfaces) +
          offset_covariance(residuals, equations, split, of_bend) + blur_covariance(equations, split);
