@@ -18,6 +18,7 @@ constexpr Rgb kPaper = {255, 255, 255};
 constexpr Rgb kHollow = {238, 241, 244};
 constexpr Rgb kInk = {22, 32, 43};
 constexpr int kMatrixPixels = 640;
+constexpr int kMostCells = 1000;  // along a side of a matrix
 constexpr int kMapPixels = 1200;
 constexpr int kMargin = 16;
 // Around the sensor's height: walls without floor and ceiling, as the report starts. [m]
@@ -54,12 +55,31 @@ void draw_colour_bar(Image& image, const LogRange& range) {
   image.digits(image.width() - kMargin - 8 * static_cast<int>(high.size()), 20, high, 2, kInk);
 }
 
-void draw_blocks(Image& image, const Result& result, int cell, int side) {
+// How large a matrix is drawn: beyond kMostCells submaps several share a row of cells, for an image with two pixels for
+// each of 10,000 squared is of no use to anybody, and a gigabyte.
+struct CellSize {
+  explicit CellSize(int count)
+      : submaps(std::max(1, (count + kMostCells - 1) / kMostCells)),
+        cells(std::max(1, (count + submaps - 1) / submaps)),
+        pixels(std::max(2, (kMatrixPixels - 2 * kMargin) / cells)),
+        side(cells * pixels) {}
+
+  // Where the cell of a submap begins.
+  [[nodiscard]] int pixel(int submap) const { return kMargin + submap / submaps * pixels; }
+
+  int submaps;  // that share a cell's edge
+  int cells;    // along a side
+  int pixels;   // of a cell
+  int side;     // in pixels
+};
+
+void draw_blocks(Image& image, const Result& result, const CellSize& size) {
   int first = 0;
   for (std::size_t robot = 0; robot < result.robots.size(); ++robot) {
-    const int from = kMargin + first * cell;
+    const int from = size.pixel(first);
     first += result.robots[robot].submaps;
-    const int to = kMargin + first * cell;
+    const int to = size.pixel(first + size.submaps - 1);
+    const int side = size.side;
     const Rgb colour = robot_colour(static_cast<int>(robot));
     image.fill(kMargin - 8, from + 1, 5, to - from - 2, colour);
     image.fill(from + 1, kMargin + side + 3, to - from - 2, 5, colour);
@@ -91,10 +111,22 @@ class TopView {
   int height_ = 0;
 };
 
-int robot_of(const Result& result, const SubmapSummary& submap) {
-  const auto found = std::find_if(result.robots.begin(), result.robots.end(),
-                                  [&](const RobotSummary& robot) { return robot.name == submap.robot; });
-  return static_cast<int>(found - result.robots.begin());
+Rgb paler(Rgb colour) {
+  for (std::uint8_t& channel : colour) channel = static_cast<std::uint8_t>((channel + 2 * 255) / 3);
+  return colour;
+}
+
+// Colours of the submaps' points: their robots', paler.
+std::vector<Rgb> colours_of_submaps(const Result& result) {
+  std::vector<Rgb> colours;
+  colours.reserve(result.submaps.size());
+  std::size_t robot = 0;
+  for (const SubmapSummary& submap : result.submaps) {
+    // Submaps come robot by robot, in the robots' order.
+    while (robot + 1 < result.robots.size() && result.robots[robot].name != submap.robot) ++robot;
+    colours.push_back(paler(robot_colour(static_cast<int>(robot))));
+  }
+  return colours;
 }
 
 template <typename Visit>
@@ -141,37 +173,32 @@ void draw_pairs(Image& image, const TopView& view, const Result& result, Verdict
   }
 }
 
-Rgb paler(Rgb colour) {
-  for (std::uint8_t& channel : colour) channel = static_cast<std::uint8_t>((channel + 2 * 255) / 3);
-  return colour;
-}
-
 }  // namespace
 
 std::string matrix_png(const Result& result, const std::map<PairId, double>& cells, const std::vector<double>& scaled) {
-  const int n = std::max(1, static_cast<int>(result.submaps.size()));
-  const int cell = std::max(2, (kMatrixPixels - 2 * kMargin) / n);
-  const int side = n * cell;
-  Image image(side + 2 * kMargin, side + 2 * kMargin, kPaper);
-  for (int row = 0; row < n; ++row) image.fill(kMargin, kMargin + row * cell, (row + 1) * cell, cell, kHollow);
+  const CellSize size(static_cast<int>(result.submaps.size()));
+  Image image(size.side + 2 * kMargin, size.side + 2 * kMargin, kPaper);
+  for (int row = 0; row < size.cells; ++row) {
+    image.fill(kMargin, kMargin + row * size.pixels, (row + 1) * size.pixels, size.pixels, kHollow);
+  }
   const LogRange range = range_of(scaled);
   for (const auto& [id, value] : cells) {
     const Rgb colour = value > 0.0 ? scale_colour(range.share(value)) : below_scale_colour();
-    image.fill(kMargin + id.target.value * cell, kMargin + id.source.value * cell, cell, cell, colour);
+    image.fill(size.pixel(id.target.value), size.pixel(id.source.value), size.pixels, size.pixels, colour);
   }
-  draw_blocks(image, result, cell, side);
-  if (side >= 300) draw_colour_bar(image, range);
+  draw_blocks(image, result, size);
+  if (size.side >= 300) draw_colour_bar(image, range);
   return image.png();
 }
 
 std::string map_png(const Result& result) {
   const TopView view(extent_of(result));
   Image image(view.width(), view.height(), kPaper);
+  const std::vector<Rgb> colours = colours_of_submaps(result);
   visit_slice(result, [&](std::size_t submap, const Eigen::Vector3d& point_m) {
     const Eigen::Vector2d at = view.pixel(point_m);
     if (!(at.cwiseAbs().maxCoeff() < 1e6)) return;
-    image.set(static_cast<int>(at.x()), static_cast<int>(at.y()),
-              paler(robot_colour(robot_of(result, result.submaps[submap]))));
+    image.set(static_cast<int>(at.x()), static_cast<int>(at.y()), colours[submap]);
   });
   for (std::size_t robot = 0; robot < result.picture->paths.size(); ++robot) {
     const auto& path = result.picture->paths[robot];

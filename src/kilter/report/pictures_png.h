@@ -12,7 +12,8 @@ namespace kilter {
 
 /// A matrix as the report draws it: a row for each source, a column for each target, logarithmic colours from dark
 /// (small) to bright (large) with the ends written at the colour bar; grey = not above zero, bare = not tested; the
-/// bars beside it and the lines across it part the robots.
+/// bars beside it and the lines across it part the robots. Of more than 1000 submaps neighbours share a cell, which
+/// shows the last one's value.
 /// \param cells   as matrix_csv takes them.
 /// \param scaled  whose values span the colours: those of Gamma and Theta together for either of the two.
 [[nodiscard]] std::string matrix_png(const Result& result, const std::map<PairId, double>& cells,
