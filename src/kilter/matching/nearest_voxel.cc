@@ -3,8 +3,8 @@
 #include "kilter/matching/nearest_voxel.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <limits>
 #include <tuple>
 
 #include "kilter/base/contract.h"
@@ -12,15 +12,30 @@
 namespace kilter {
 namespace {
 
-using Lanes = FloatLanes;
-constexpr std::uint32_t kLanes = kFloatLanes;
+// Distances that blocks beside the home block are looked at up to, as shares of a block's edge: most answers lie within
+// a voxel.
+constexpr std::array kRings = {0.125, 0.375};
+// Floats are never more wrong than this.
+constexpr float kRoundedDown = 0.999F;
 
-// How far outside an interval of the given length each of four is.
-Lanes gap_m(Lanes low_m, float at_m, float edge_m) {
-  const Lanes below = low_m - at_m;
-  const Lanes above = at_m - low_m - edge_m;
-  const Lanes gap = below > above ? below : above;
-  return gap > 0.0F ? gap : Lanes{};
+int cluster_of(const VoxelIndex& voxel) {
+  constexpr int kHalf = kBlockShift - 1;
+  return (voxel.x() >> kHalf & 1) | (voxel.y() >> kHalf & 1) << 1 | (voxel.z() >> kHalf & 1) << 2;
+}
+
+struct Box {
+  std::array<float, 3> low_m;
+  std::array<float, 3> high_m;
+};
+
+float distance_m(const Box& box, const Cluster& cluster) {
+  float square_m2 = 0.0F;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const float gap_m =
+        std::max({cluster.low_m[axis] - box.high_m[axis], box.low_m[axis] - cluster.high_m[axis], 0.0F});
+    square_m2 += gap_m * gap_m;
+  }
+  return std::sqrt(square_m2);
 }
 
 }  // namespace
@@ -30,33 +45,95 @@ Eigen::Vector3d voxel_position_m(const VoxelMap& map, std::size_t i, VoxelPositi
   return voxel_centre(map.indices()[i], map.resolution_m());
 }
 
-NearestVoxelSearch::NearestVoxelSearch(const VoxelMap& map, VoxelPosition position, double max_distance_m)
+NearestVoxelSearch::NearestVoxelSearch(const VoxelMap& map, VoxelPosition position, double max_distance_m,
+                                       VectorPath path)
     : map_(&map),
       position_(position),
       max_distance_m_(max_distance_m),
       points_(map.voxels().size()),
-      scan_(scan_points_with(vector_paths().back())) {
+      of_block_(map.blocks().size()),
+      scan_(scan_clusters_with(path)) {
   KILTER_EXPECTS(max_distance_m > 0.0);
-  for (std::size_t i = 0; i < map.voxels().size(); ++i) {
-    const Eigen::Vector3f at = voxel_position_m(map, i, position).cast<float>();
-    points_.x[i] = at.x();
-    points_.y[i] = at.y();
-    points_.z[i] = at.z();
+  for (std::size_t block = 0; block < map.blocks().size(); ++block) {
+    of_block_[block].first = static_cast<std::uint32_t>(clusters_.size());
+    add_clusters(map.blocks()[block]);
+    of_block_[block].end = static_cast<std::uint32_t>(clusters_.size());
   }
-  const double edge_m = kBlockSize * map.resolution_m();
-  const int reach = static_cast<int>(std::ceil(max_distance_m / edge_m));
+  plan_steps();
+}
+
+void NearestVoxelSearch::add_clusters(const VoxelBlock& block) {
+  constexpr std::size_t kClusters = 8;
+  const std::span<const VoxelIndex> voxels(map_->indices().data() + block.first_voxel, block.voxel_count);
+  std::array<std::uint32_t, kClusters> next{};
+  for (const VoxelIndex& voxel : voxels) ++next[static_cast<std::size_t>(cluster_of(voxel))];
+  std::array<std::size_t, kClusters> number{};
+  std::uint32_t first = block.first_voxel;
+  for (std::size_t k = 0; k < kClusters; ++k) {
+    const std::uint32_t count = next[k];
+    next[k] = first;
+    if (count == 0) continue;
+    number[k] = clusters_.size();
+    clusters_.push_back({{ClusteredPoints::kNowhere, ClusteredPoints::kNowhere, ClusteredPoints::kNowhere},
+                         {-ClusteredPoints::kNowhere, -ClusteredPoints::kNowhere, -ClusteredPoints::kNowhere},
+                         first,
+                         first + count});
+    first += count;
+  }
+  for (std::size_t i = 0; i < voxels.size(); ++i) {
+    const auto k = static_cast<std::size_t>(cluster_of(voxels[i]));
+    const std::size_t voxel = block.first_voxel + i;
+    const std::size_t slot = next[k]++;
+    const Eigen::Vector3f at_m = voxel_position_m(*map_, voxel, position_).cast<float>();
+    points_.x[slot] = at_m.x();
+    points_.y[slot] = at_m.y();
+    points_.z[slot] = at_m.z();
+    points_.number[slot] = static_cast<std::int32_t>(voxel);
+    Cluster& cluster = clusters_[number[k]];
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      cluster.low_m[axis] = std::min(cluster.low_m[axis], at_m[static_cast<Eigen::Index>(axis)]);
+      cluster.high_m[axis] = std::max(cluster.high_m[axis], at_m[static_cast<Eigen::Index>(axis)]);
+    }
+  }
+}
+
+// Shells of blocks that are equally far from the home block. The innermost, which touches it, is looked at ring by
+// ring.
+void NearestVoxelSearch::plan_steps() {
+  const double edge_m = kBlockSize * map_->resolution_m();
+  const int reach = static_cast<int>(std::ceil(max_distance_m_ / edge_m));
+  const auto gap_m2 = [&](const Eigen::Vector3i& offset) {
+    return ((offset.cwiseAbs() - Eigen::Vector3i::Ones()).cwiseMax(0).cast<double>() * edge_m).squaredNorm();
+  };
   for (int z = -reach; z <= reach; ++z) {
     for (int y = -reach; y <= reach; ++y) {
       for (int x = -reach; x <= reach; ++x) {
-        const Eigen::Vector3i offset(x, y, z);
-        const Eigen::Vector3d gap_m = (offset.cwiseAbs() - Eigen::Vector3i::Ones()).cwiseMax(0).cast<double>() * edge_m;
-        if (gap_m.squaredNorm() <= max_distance_m * max_distance_m) offsets_.push_back({offset, gap_m.squaredNorm()});
+        if (gap_m2({x, y, z}) <= max_distance_m_ * max_distance_m_) offsets_.emplace_back(x, y, z);
       }
     }
   }
-  std::stable_sort(offsets_.begin(), offsets_.end(), [](const BlockOffset& a, const BlockOffset& b) {
-    return std::tuple(a.least_m2, a.offset.squaredNorm()) < std::tuple(b.least_m2, b.offset.squaredNorm());
+  std::stable_sort(offsets_.begin(), offsets_.end(), [&](const Eigen::Vector3i& a, const Eigen::Vector3i& b) {
+    return std::tuple(gap_m2(a), a.squaredNorm()) < std::tuple(gap_m2(b), b.squaredNorm());
   });
+  for (std::size_t first = 0; first < offsets_.size();) {
+    const double least_m2 = gap_m2(offsets_[first]);
+    std::size_t end = first;
+    while (end < offsets_.size() && gap_m2(offsets_[end]) == least_m2) ++end;
+    Step step;
+    step.first = static_cast<std::uint32_t>(first);
+    step.end = static_cast<std::uint32_t>(end);
+    step.least_m2 = kRoundedDown * static_cast<float>(least_m2);
+    for (const double ring : kRings) {
+      if (first > 0) break;
+      step.to_m = static_cast<float>(ring * edge_m);
+      steps_.push_back(step);
+      step.from_m = step.to_m;
+      step.to_m = std::numeric_limits<float>::max();
+      step.least_m2 = kRoundedDown * step.from_m * step.from_m;
+    }
+    steps_.push_back(step);
+    first = end;
+  }
 }
 
 std::optional<NearestVoxel> NearestVoxelSearch::nearest(const Eigen::Vector3d& point_m, double limit_m) const {
@@ -97,36 +174,33 @@ NearestVoxelCursor::Home& NearestVoxelCursor::home_at(const Eigen::Vector3i& blo
   return homes_[last_ - 1];
 }
 
-bool NearestVoxelCursor::extend(Home& home, float best2) const {
-  const std::vector<NearestVoxelSearch::BlockOffset>& offsets = search_->offsets_;
-  if (home.looked_at == offsets.size() || offsets[home.looked_at].least_m2 > best2) return false;
-  constexpr float kOutOfReach_m = 1e18F;
+bool NearestVoxelCursor::extend(Home& home, float best_m2) const {
+  if (home.steps == search_->steps_.size() || search_->steps_[home.steps].least_m2 > best_m2) return false;
+  const NearestVoxelSearch::Step& step = search_->steps_[home.steps++];
   const VoxelMap& map = *search_->map_;
   const double edge_m = kBlockSize * map.resolution_m();
-  const double least_m2 = offsets[home.looked_at].least_m2;
-  Group group;
-  const auto begin = [&] {
-    group = Group();
-    group.low_x_m = group.low_y_m = group.low_z_m = Lanes{} + kOutOfReach_m;
-    group.least_m2 = static_cast<float>(least_m2);
-  };
-  begin();
-  for (; home.looked_at < offsets.size() && offsets[home.looked_at].least_m2 == least_m2; ++home.looked_at) {
-    const Eigen::Vector3i at = home.at + offsets[home.looked_at].offset;
-    const std::int32_t number = map.find_block(at);
-    if (number == BlockIndex::kNone) continue;
-    const VoxelBlock& block = map.blocks()[static_cast<std::size_t>(number)];
-    if (block.voxel_count == 0) continue;
-    const Eigen::Vector3f low_m = (at.cast<double>() * edge_m).cast<float>();
-    group.low_x_m[group.size] = low_m.x();
-    group.low_y_m[group.size] = low_m.y();
-    group.low_z_m[group.size] = low_m.z();
-    group.blocks[group.size] = &block;
-    if (++group.size < kLanes) continue;
-    home.groups.push_back(group);
-    begin();
+  Box box{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const int at = home.at[static_cast<Eigen::Index>(axis)];
+    box.low_m[axis] = static_cast<float>(at * edge_m);
+    box.high_m[axis] = static_cast<float>((at + 1) * edge_m);
   }
-  if (group.size > 0) home.groups.push_back(group);
+  ClusterGroup group(step.least_m2);
+  for (std::uint32_t k = step.first; k < step.end; ++k) {
+    const std::int32_t number = map.find_block(home.at + search_->offsets_[k]);
+    if (number == BlockIndex::kNone) continue;
+    const NearestVoxelSearch::ClusterRange range = search_->of_block_[static_cast<std::size_t>(number)];
+    for (std::uint32_t i = range.first; i < range.end; ++i) {
+      const Cluster& cluster = search_->clusters_[i];
+      const float gap_m = distance_m(box, cluster);
+      if (gap_m < step.from_m || gap_m >= step.to_m) continue;
+      group.add(cluster);
+      if (!group.full()) continue;
+      home.groups.push_back(group);
+      group = ClusterGroup(step.least_m2);
+    }
+  }
+  if (!group.empty()) home.groups.push_back(group);
   return true;
 }
 
@@ -137,36 +211,26 @@ std::optional<NearestVoxel> NearestVoxelCursor::nearest(const Eigen::Vector3d& p
   // Half of a pair's points lie where the other has nothing at all. A voxel's points are within it, whichever stands.
   const double reach_m = limit_m + map.resolution_m();
   if (map.bounds_m().squaredExteriorDistance(point_m) > reach_m * reach_m) return std::nullopt;
-  const auto edge_m = static_cast<float>(kBlockSize * map.resolution_m());
   Home& home = home_at(block_of(voxel_at(point_m, map.resolution_m())));
   const Eigen::Vector3f point = point_m.cast<float>();
   // A little slack so that rounding to float never hides a voxel at exactly the limit; checked in double below.
-  NearestPoint best{static_cast<float>(limit_m * limit_m * 1.0001 + 1e-12), kNoVoxel};
+  NearestPoint best{static_cast<float>(limit_m * limit_m * 1.0001 + 1e-12), ClusteredPoints::kNoNumber};
+  if (hint == kNoVoxel) hint = last_voxel_;
   if (hint != kNoVoxel) {
-    if (const float square_m2 = search_->square_m2(hint, point); square_m2 <= best.square_m2) {
-      best = {square_m2, hint};
-    }
+    const Eigen::Vector3f off_m = voxel_position_m(map, hint, search_->position_).cast<float>() - point;
+    const float square_m2 = off_m.x() * off_m.x() + off_m.y() * off_m.y() + off_m.z() * off_m.z();
+    if (square_m2 <= best.square_m2) best = {square_m2, static_cast<std::int32_t>(hint)};
   }
-  for (std::size_t k = 0;; ++k) {
-    while (k == home.groups.size() && extend(home, best.square_m2)) {
-    }
-    if (k == home.groups.size() || home.groups[k].least_m2 > best.square_m2) break;
-    const Group& group = home.groups[k];
-    const Lanes x_m = gap_m(group.low_x_m, point.x(), edge_m);
-    const Lanes y_m = gap_m(group.low_y_m, point.y(), edge_m);
-    const Lanes z_m = gap_m(group.low_z_m, point.z(), edge_m);
-    // Rounded down by more than floats can be wrong.
-    const Lanes least2 = 0.999F * (x_m * x_m + y_m * y_m + z_m * z_m);
-    for (std::uint32_t lane = 0; lane < group.size; ++lane) {
-      if (least2[lane] > best.square_m2 + 1e-6F) continue;
-      const VoxelBlock& block = *group.blocks[lane];
-      search_->scan_(search_->points_, block.first_voxel, block.first_voxel + block.voxel_count, point.data(), best);
-    }
-  }
-  if (best.index == kNoVoxel) return std::nullopt;
-  const double distance_m = (voxel_position_m(map, best.index, search_->position_) - point_m).norm();
+  std::size_t looked_at = 0;
+  do {
+    search_->scan_(search_->points_, std::span(home.groups).subspan(looked_at), point.data(), best);
+    looked_at = home.groups.size();
+  } while (extend(home, best.square_m2));
+  if (best.number == ClusteredPoints::kNoNumber) return std::nullopt;
+  last_voxel_ = static_cast<std::uint32_t>(best.number);
+  const double distance_m = (voxel_position_m(map, last_voxel_, search_->position_) - point_m).norm();
   if (distance_m > limit_m) return std::nullopt;
-  return NearestVoxel{best.index, distance_m};
+  return NearestVoxel{last_voxel_, distance_m};
 }
 
 RepeatedSearch::RepeatedSearch(const NearestVoxelSearch& search, std::size_t points)

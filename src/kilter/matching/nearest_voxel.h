@@ -6,13 +6,14 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <vector>
 
 #include "kilter/matching/nearest_voxel_field.h"
-#include "kilter/matching/scan_points.h"
+#include "kilter/matching/scan_clusters.h"
 #include "kilter/occupancy/voxel_map.h"
 
 namespace kilter {
@@ -26,22 +27,21 @@ enum class VoxelPosition {
 /// Position of occupied voxel i in the map's frame. [m]
 [[nodiscard]] Eigen::Vector3d voxel_position_m(const VoxelMap& map, std::size_t i, VoxelPosition position);
 
-/// As many floats as a register of every 64-bit processor holds.
-inline constexpr std::uint32_t kFloatLanes = 4;
-using FloatLanes = float __attribute__((vector_size(kFloatLanes * sizeof(float))));
-
 /// An occupied voxel and how far it is. [m]
 struct NearestVoxel {
   std::uint32_t voxel = 0;
   double distance_m = 0.0;
 };
 
-/// Exact closest-voxel search on the blocks of one map: blocks in order of their distance, voxels of a block as one
-/// array. Immutable after construction; the map must outlive it. Ties go to the lower voxel number.
+/// Exact closest-voxel search on one map: voxels in clusters of up to 4 x 4 x 4 with tight boxes, the clusters around a
+/// point's block in order of their distance from it, as many at once as the processor has lanes. Immutable after
+/// construction; the map must outlive it. Ties go to the lower voxel number.
 class NearestVoxelSearch {
  public:
   /// \param max_distance_m  no query may ask for more. O(voxels).
-  NearestVoxelSearch(const VoxelMap& map, VoxelPosition position, double max_distance_m);
+  /// \param path  which instructions it uses; the answers are the same to the bit.
+  NearestVoxelSearch(const VoxelMap& map, VoxelPosition position, double max_distance_m,
+                     VectorPath path = vector_paths().back());
 
   /// The closest occupied voxel no farther than `limit_m` (<= max_distance_m) from a point in the map's frame.
   [[nodiscard]] std::optional<NearestVoxel> nearest(const Eigen::Vector3d& point_m, double limit_m) const;
@@ -64,24 +64,32 @@ class NearestVoxelSearch {
     std::once_flag asked;
     std::unique_ptr<const NearestVoxelField> field;
   };
-  struct BlockOffset {
-    Eigen::Vector3i offset;
-    double least_m2;  // no point of the query's block is nearer to that block
+  // What is looked at in one step: clusters of certain blocks around the home block, at certain distances from its box.
+  struct Step {
+    std::uint32_t first = 0;  // of the offsets
+    std::uint32_t end = 0;
+    float from_m = 0.0F;
+    float to_m = std::numeric_limits<float>::max();
+    float least_m2 = 0.0F;  // nobody in the home block is nearer to any of them
   };
 
-  [[nodiscard]] float square_m2(std::uint32_t voxel, const Eigen::Vector3f& point) const {
-    const float dx = points_.x[voxel] - point.x();
-    const float dy = points_.y[voxel] - point.y();
-    const float dz = points_.z[voxel] - point.z();
-    return dx * dx + dy * dy + dz * dz;
-  }
+  // Clusters of one block.
+  struct ClusterRange {
+    std::uint32_t first = 0;
+    std::uint32_t end = 0;
+  };
+  void add_clusters(const VoxelBlock& block);
+  void plan_steps();
 
   const VoxelMap* map_;
   VoxelPosition position_;
   double max_distance_m_;
-  PackedPoints points_;  // positions in voxel order
-  ScanPoints scan_;
-  std::vector<BlockOffset> offsets_;  // sorted by least distance
+  ClusteredPoints points_;  // clusters of a block one after the other, blocks as in the map
+  std::vector<Cluster> clusters_;
+  std::vector<ClusterRange> of_block_;
+  ScanClusters scan_;
+  std::vector<Eigen::Vector3i> offsets_;  // of blocks that may hold what is near
+  std::vector<Step> steps_;               // sorted by least distance
   std::unique_ptr<LazyField> field_ = std::make_unique<LazyField>();
 };
 
@@ -102,28 +110,22 @@ class NearestVoxelCursor {
  private:
   static constexpr std::size_t kMostHomes = 1 << 13;
 
-  // Four blocks that are looked at in one step; fewer at the end of a shell.
-  struct Group {
-    FloatLanes low_x_m{}, low_y_m{}, low_z_m{};  // their lower corners; out of reach where there is no block
-    std::array<const VoxelBlock*, kFloatLanes> blocks{};
-    float least_m2 = 0.0F;  // no point of the home block is nearer to any of them
-    std::uint32_t size = 0;
-  };
   // What lies around one block, sorted by least distance, as far as was needed yet.
   struct Home {
     Eigen::Vector3i at;
-    std::vector<Group> groups;
-    std::size_t looked_at = 0;  // offsets that `groups` cover
+    std::vector<ClusterGroup> groups;
+    std::size_t steps = 0;  // that `groups` cover
   };
 
   Home& home_at(const Eigen::Vector3i& block);
-  // Looks at all further blocks of one least distance. \return false when there are none, or none nearer than best2.
-  bool extend(Home& home, float best2) const;
+  // Takes the next step. \return false when there is none, or none that may find something as near as best_m2.
+  bool extend(Home& home, float best_m2) const;
 
   const NearestVoxelSearch* search_;
   std::vector<Home> homes_;
-  std::vector<std::uint32_t> table_;  // open addressing: home number + 1, 0 = empty
-  std::uint32_t last_ = 0;            // home number + 1 of the last point
+  std::vector<std::uint32_t> table_;     // open addressing: home number + 1, 0 = empty
+  std::uint32_t last_ = 0;               // home number + 1 of the last point
+  std::uint32_t last_voxel_ = kNoVoxel;  // what the last point had nearest
 };
 
 /// Voxels near the points of one submap under many poses, for registration: by the field's one look-up where the map

@@ -49,53 +49,66 @@ BlockBox blocks_within(const VoxelMap& map, int reach) {
   return {low, high - low + Eigen::Vector3i::Ones()};
 }
 
-// The occupied cells around a block.
+// The occupied cells around a block. Large, and filled in part only: what is not said to be filled is not read.
 struct Window {
-  int reach = 0;
-  int ring = 0;  // blocks on each side
-  // By their places around the middle one, x fastest; null where nothing is occupied.
-  std::array<const VoxelBlock*, kMostAround * kMostAround * kMostAround> blocks{};
-  // A bit for each cell, a word for each row of them; cell (reach, reach, reach) is the block's first.
-  std::array<std::array<std::uint64_t, kMostWidth>, kMostWidth> rows{};
+  Window(const VoxelMap& map, const Eigen::Vector3i& middle, int reach_in_cells);
+
+  int reach;
+  int ring;  // blocks on each side
+  bool empty = true;
+  // Of the blocks around the middle one, x fastest: what is occupied and the number of each layer's first voxel. Filled
+  // where there is such a voxel.
+  struct Around {
+    const VoxelBlock* block;
+    std::array<std::uint32_t, kBlockSize> first_voxel;
+  };
+  std::array<Around, kMostAround * kMostAround * kMostAround> blocks;
+  // A bit for each cell, a word for each row of them; cell (reach, reach, reach) is the block's first. Filled up to the
+  // width.
+  std::array<std::array<std::uint64_t, kMostWidth>, kMostWidth> rows;
 
   [[nodiscard]] int width() const { return kBlockSize + 2 * reach; }
   [[nodiscard]] int around() const { return 2 * ring + 1; }
+
+ private:
+  void add(const VoxelBlock& block, const Eigen::Vector3i& offset, Around& around);
 };
 
-void add_block(const VoxelBlock& block, const Eigen::Vector3i& offset, Window& window) {
-  const Eigen::Vector3i first = offset * kBlockSize + Eigen::Vector3i::Constant(window.reach);
-  const int width = window.width();
-  const std::uint64_t inside = width == 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << width) - 1;
-  for (int z = std::max(0, -first.z()); z < std::min(kBlockSize, width - first.z()); ++z) {
-    const std::uint64_t layer = block.occupied[static_cast<std::size_t>(z)];
-    if (layer == 0) continue;
-    auto& rows = window.rows[static_cast<std::size_t>(first.z() + z)];
-    for (int y = std::max(0, -first.y()); y < std::min(kBlockSize, width - first.y()); ++y) {
-      const std::uint64_t bits = layer >> (8 * y) & 0xFF;
-      const std::uint64_t moved = first.x() >= 0 ? bits << first.x() : bits >> -first.x();
-      rows[static_cast<std::size_t>(first.y() + y)] |= moved & inside;
+Window::Window(const VoxelMap& map, const Eigen::Vector3i& middle, int reach_in_cells)
+    : reach(reach_in_cells), ring((reach_in_cells + kBlockSize - 1) / kBlockSize) {
+  const auto used = static_cast<std::size_t>(width());
+  for (std::size_t z = 0; z < used; ++z) std::fill_n(rows[z].begin(), used, 0);
+  std::size_t number = 0;
+  for (int z = -ring; z <= ring; ++z) {
+    for (int y = -ring; y <= ring; ++y) {
+      for (int x = -ring; x <= ring; ++x, ++number) {
+        const std::int32_t found = map.find_block(middle + Eigen::Vector3i(x, y, z));
+        if (found == BlockIndex::kNone) continue;
+        const VoxelBlock& block = map.blocks()[static_cast<std::size_t>(found)];
+        if (block.voxel_count > 0) add(block, {x, y, z}, blocks[number]);
+      }
     }
   }
 }
 
-// \return whether anything is occupied there.
-bool fill(const VoxelMap& map, const Eigen::Vector3i& block, Window& window) {
-  bool any = false;
-  std::size_t number = 0;
-  for (int z = -window.ring; z <= window.ring; ++z) {
-    for (int y = -window.ring; y <= window.ring; ++y) {
-      for (int x = -window.ring; x <= window.ring; ++x, ++number) {
-        const std::int32_t found = map.find_block(block + Eigen::Vector3i(x, y, z));
-        if (found == BlockIndex::kNone) continue;
-        const VoxelBlock& around = map.blocks()[static_cast<std::size_t>(found)];
-        if (around.voxel_count == 0) continue;
-        window.blocks[number] = &around;
-        add_block(around, {x, y, z}, window);
-        any = true;
-      }
+void Window::add(const VoxelBlock& block, const Eigen::Vector3i& offset, Around& around) {
+  const Eigen::Vector3i first = offset * kBlockSize + Eigen::Vector3i::Constant(reach);
+  const std::uint64_t inside = width() == 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << width()) - 1;
+  empty = false;
+  around.block = &block;
+  std::uint32_t voxel = block.first_voxel;
+  for (int z = 0; z < kBlockSize; ++z) {
+    const std::uint64_t layer = block.occupied[static_cast<std::size_t>(z)];
+    around.first_voxel[static_cast<std::size_t>(z)] = voxel;
+    voxel += static_cast<std::uint32_t>(std::popcount(layer));
+    const int to = first.z() + z;
+    if (layer == 0 || to < 0 || to >= width()) continue;
+    for (int y = std::max(0, -first.y()); y < std::min(kBlockSize, width() - first.y()); ++y) {
+      const std::uint64_t bits = layer >> (8 * y) & 0xFF;
+      const std::uint64_t moved = first.x() >= 0 ? bits << first.x() : bits >> -first.x();
+      rows[static_cast<std::size_t>(to)][static_cast<std::size_t>(first.y() + y)] |= moved & inside;
     }
   }
-  return any;
 }
 
 // The nearest occupied cell of one row for each cell of the block's eight columns; the left one of two.
@@ -163,8 +176,10 @@ using Keys = std::array<Layer, kBlockSize>;
   const int z = (key >> (2 * kAxisBits) & kAxisMask) + shift;
   const int around = window.around();
   const int number = ((z >> kBlockShift) * around + (y >> kBlockShift)) * around + (x >> kBlockShift);
-  const VoxelBlock& block = *window.blocks[static_cast<std::size_t>(number)];
-  return block.first_voxel + rank_in_block(block, bit_of({x, y, z}));
+  const Window::Around& in = window.blocks[static_cast<std::size_t>(number)];
+  const auto layer = static_cast<std::size_t>(z & (kBlockSize - 1));
+  const std::uint64_t below = (std::uint64_t{1} << (bit_of({x, y, 0}))) - 1;
+  return in.first_voxel[layer] + static_cast<std::uint32_t>(std::popcount(in.block->occupied[layer] & below));
 }
 
 [[gnu::always_inline]] inline void compute(const Window& window, std::array<std::uint32_t, kBlockVoxels>& voxels) {
@@ -212,11 +227,9 @@ const NearestVoxelField::Block& NearestVoxelField::build(const Eigen::Vector3i& 
     block.voxels.fill(kNoVoxel);
     return block;
   }();
-  Window window;
-  window.reach = reach_;
-  window.ring = (reach_ + kBlockSize - 1) / kBlockSize;
+  const Window window(*map_, low_ + at, reach_);
   std::unique_ptr<Block> built;
-  if (fill(*map_, low_ + at, window)) {
+  if (!window.empty) {
     built = std::make_unique_for_overwrite<Block>();
 #if defined(__x86_64__)
     if (path_ != VectorPath::kBaseline) {

@@ -1,0 +1,80 @@
+// SPDX-FileCopyrightText: The kilter authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "kilter/matching/vector_path.h"
+
+namespace kilter {
+
+/// Lanes of the widest register.
+inline constexpr std::uint32_t kMostLanes = 16;
+
+/// Numbered points as columns, those of one cluster (a few that lie near each other) side by side, with room behind the
+/// last one so that whole registers can be read from any of them.
+class ClusteredPoints {
+ public:
+  static constexpr float kNowhere = 1e18F;  // what stands there: its square is finite and beyond any limit
+  static constexpr std::int32_t kNoNumber = std::numeric_limits<std::int32_t>::max();
+
+  ClusteredPoints() = default;
+  explicit ClusteredPoints(std::size_t count)
+      : x(count + kMostLanes, kNowhere),
+        y(count + kMostLanes, kNowhere),
+        z(count + kMostLanes, kNowhere),
+        number(count + kMostLanes, kNoNumber) {}
+
+  std::vector<float> x, y, z;
+  std::vector<std::int32_t> number;
+};
+
+/// The points of a cluster and the box around them.
+struct Cluster {
+  std::array<float, 3> low_m{};
+  std::array<float, 3> high_m{};
+  std::uint32_t first = 0;
+  std::uint32_t end = 0;
+};
+
+/// Up to kMostLanes clusters, a lane for each; out of reach where there is none.
+class ClusterGroup {
+ public:
+  using Floats = std::array<float, kMostLanes>;
+
+  /// \param least  nobody who asks is nearer to any of them. [m^2]
+  explicit ClusterGroup(float least);
+  void add(const Cluster& cluster);
+  [[nodiscard]] bool full() const { return size_ == kMostLanes; }
+  [[nodiscard]] bool empty() const { return size_ == 0; }
+
+  alignas(64) std::array<Floats, 3> low_m;
+  std::array<Floats, 3> high_m;
+  std::array<std::uint32_t, kMostLanes> first{};
+  std::array<std::uint32_t, kMostLanes> end{};
+  float least_m2;
+
+ private:
+  std::uint32_t size_ = 0;
+};
+
+/// The nearest point found so far: its number (kNoNumber: none yet) and the squared distance, or the squared limit.
+struct NearestPoint {
+  float square_m2 = 0.0F;
+  std::int32_t number = ClusteredPoints::kNoNumber;
+};
+
+/// Looks through clusters for a point nearer to `point` than `best`, or as near with a lower number. Groups are in
+/// order of their least distances.
+using ScanClusters = void (*)(const ClusteredPoints& points, std::span<const ClusterGroup> groups, const float* point,
+                              NearestPoint& best);
+
+/// All of them do the same operations on each point in the same precision, so that the answer is the same to the bit.
+[[nodiscard]] ScanClusters scan_clusters_with(VectorPath path);
+
+}  // namespace kilter
