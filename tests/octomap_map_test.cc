@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "kilter/base/rng.h"
+#include "kilter/base/vector_path.h"
 #include "kilter/occupancy/map_builder.h"
 
 namespace kilter {
@@ -29,22 +30,7 @@ std::vector<Eigen::Vector3d> ragged_scan(Rng& rng, const Eigen::Vector3d& origin
   return points_m;
 }
 
-void expect_the_map_of_octomap(double resolution_m, double max_range_m, std::uint64_t seed) {
-  octomap::OcTree tree(resolution_m);
-  MapBuilder builder({.resolution_m = resolution_m, .min_range_m = 0.0, .max_range_m = max_range_m});
-  Rng rng(seed, 0);
-  for (int scan = 0; scan < 8; ++scan) {
-    Eigen::Vector3f origin_m = Eigen::Vector3f::Zero();
-    if (scan > 0) origin_m = Eigen::Vector3d(rng.uniform(-1, 1), rng.uniform(-1, 1), rng.uniform(0, 0.2)).cast<float>();
-    const auto points_m = ragged_scan(rng, origin_m.cast<double>(), max_range_m);
-    octomap::Pointcloud cloud;
-    for (const Eigen::Vector3d& p : points_m) {
-      cloud.push_back(static_cast<float>(p.x()), static_cast<float>(p.y()), static_cast<float>(p.z()));
-    }
-    tree.insertPointCloud(cloud, {origin_m.x(), origin_m.y(), origin_m.z()}, max_range_m, true);
-    builder.insert_scan(points_m, origin_m.cast<double>());
-  }
-  const VoxelMap map = builder.finish();
+void expect_the_cells_of(const octomap::OcTree& tree, const VoxelMap& map) {
   std::size_t free_count = 0;
   std::size_t occupied_count = 0;
   for (auto leaf = tree.begin_leafs(); leaf != tree.end_leafs(); ++leaf) {
@@ -65,6 +51,31 @@ void expect_the_map_of_octomap(double resolution_m, double max_range_m, std::uin
   EXPECT_EQ(our_free_count, free_count);
   EXPECT_GT(occupied_count, 1'000U);
   EXPECT_GT(free_count, 100'000U);
+}
+
+void expect_the_map_of_octomap(double resolution_m, double max_range_m, std::uint64_t seed) {
+  octomap::OcTree tree(resolution_m);
+  std::vector<MapBuilder> builders;
+  for (const VectorPath path : vector_paths()) {
+    builders.emplace_back(
+        OccupancyOptions{.resolution_m = resolution_m, .min_range_m = 0.0, .max_range_m = max_range_m}, path);
+  }
+  Rng rng(seed, 0);
+  for (int scan = 0; scan < 8; ++scan) {
+    Eigen::Vector3f origin_m = Eigen::Vector3f::Zero();
+    if (scan > 0) origin_m = Eigen::Vector3d(rng.uniform(-1, 1), rng.uniform(-1, 1), rng.uniform(0, 0.2)).cast<float>();
+    const auto points_m = ragged_scan(rng, origin_m.cast<double>(), max_range_m);
+    octomap::Pointcloud cloud;
+    for (const Eigen::Vector3d& p : points_m) {
+      cloud.push_back(static_cast<float>(p.x()), static_cast<float>(p.y()), static_cast<float>(p.z()));
+    }
+    tree.insertPointCloud(cloud, {origin_m.x(), origin_m.y(), origin_m.z()}, max_range_m, true);
+    for (MapBuilder& builder : builders) builder.insert_scan(points_m, origin_m.cast<double>());
+  }
+  for (std::size_t path = 0; path < builders.size(); ++path) {
+    SCOPED_TRACE(testing::Message() << "resolution " << resolution_m << ", path " << path);
+    expect_the_cells_of(tree, builders[path].finish());
+  }
 }
 
 TEST(OctomapMapOracle, OurMapOfScansIsTheirsCellByCell) {

@@ -11,7 +11,7 @@
 #include <mutex>
 #include <vector>
 
-#include "kilter/matching/vector_path.h"
+#include "kilter/base/vector_path.h"
 #include "kilter/occupancy/voxel_map.h"
 
 namespace kilter {

@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-#include "kilter/matching/vector_path.h"
+#include "kilter/base/vector_path.h"
 
 namespace kilter {
 

@@ -3,13 +3,16 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <array>
+#include <Eigen/Geometry>
 #include <cstdint>
-#include <deque>
 #include <span>
 #include <vector>
 
+#include "kilter/base/vector_path.h"
+#include "kilter/occupancy/block_store.h"
 #include "kilter/occupancy/occupancy_options.h"
+#include "kilter/occupancy/scan_marks.h"
+#include "kilter/occupancy/trace_rays.h"
 #include "kilter/occupancy/voxel_map.h"
 
 namespace kilter {
@@ -20,9 +23,11 @@ namespace kilter {
 class MapBuilder {
  public:
   explicit MapBuilder(const OccupancyOptions& options);
+  /// With the instructions of a narrower path than the processor's widest; the map is the same.
+  MapBuilder(const OccupancyOptions& options, VectorPath path);
 
-  /// Adds one scan. Both in the map's frame, rounded to float. [m] A point at the origin is no return. What lies off the
-  /// lattice is left out. O(points * range / resolution).
+  /// Adds one scan. Both in the map's frame, rounded to float. [m] A point at the origin is no return. What lies off
+  /// the lattice is left out. O(points * range / resolution).
   void insert_scan(std::span<const Eigen::Vector3d> points_m, const Eigen::Vector3d& origin_m);
 
   /// Adds points without a sensor origin: one hit for each voxel, nothing becomes free.
@@ -32,38 +37,23 @@ class MapBuilder {
   [[nodiscard]] VoxelMap finish();
 
  private:
-  struct Block {
-    std::uint64_t key = 0;
-    std::uint32_t stamp = 0;                       // last scan that touched it
-    std::array<std::uint64_t, kBlockSize> hit{};   // of the scan at hand
-    std::array<std::uint64_t, kBlockSize> miss{};  // of the scan at hand
-    std::array<std::uint64_t, kBlockSize> known{};
-    std::array<float, kBlockVoxels> log_odds{};
-  };
   struct Hit {
     Eigen::Vector3f point_m;
     std::uint32_t origin = 0;
   };
 
-  Block& touch(const Eigen::Vector3i& block_at);
-  void grow();
-  void mark_hit(const Eigen::Vector3f& point_m, std::uint32_t origin);
-  void trace(const Eigen::Vector3f& from_m, const Eigen::Vector3f& to_m);
-  void apply_scan();
-  void begin_scan();
+  void take_returns(std::span<const Eigen::Vector3d> points_m, const Eigen::Vector3f& origin_m);
+  void open_window(const Eigen::AlignedBox3f& box_m);
+  void mark_hits(std::size_t first);
+  void apply_marks();
   [[nodiscard]] SurfaceVoxels summarise_hits(const std::vector<VoxelBlock>& occupied) const;
 
   OccupancyOptions options_;
-  float log_odds_hit_;
-  float log_odds_miss_;
-  float log_odds_min_;
-  float log_odds_max_;
-  float log_odds_threshold_;
-  std::uint32_t stamp_ = 0;
   bool has_free_space_ = false;
-  std::deque<Block> blocks_;
-  std::vector<std::uint32_t> table_;  // open addressing: block number + 1, 0 = empty
-  std::vector<std::uint32_t> touched_;
+  TraceRays trace_;
+  ScanMarks marks_;
+  BlockStore blocks_;
+  RayEnds ends_m_;
   std::vector<Hit> hits_;
   std::vector<Eigen::Vector3f> origins_m_;
 };

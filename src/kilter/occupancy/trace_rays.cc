@@ -1,0 +1,177 @@
+// SPDX-FileCopyrightText: The kilter authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "kilter/occupancy/trace_rays.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+
+#if defined(__x86_64__)
+#include <immintrin.h>
+#endif
+
+namespace kilter {
+namespace {
+
+constexpr double kNever = std::numeric_limits<double>::max();
+
+// What all rays of a scan share.
+struct Fan {
+  Eigen::Vector3f origin_m;
+  double resolution_m;
+  double per_metre;
+  VoxelIndex first;          // the origin's voxel
+  Eigen::Vector3d ahead_m;   // from the origin to its voxel's upper border, and
+  Eigen::Vector3d behind_m;  // to its lower one
+
+  Fan(const Eigen::Vector3f& origin, double resolution)
+      : origin_m(origin),
+        resolution_m(resolution),
+        per_metre(1.0 / resolution),
+        first(voxel_at(origin.cast<double>(), resolution)) {
+    for (int axis = 0; axis < 3; ++axis) {
+      const double centre_m = (first[axis] + 0.5) * resolution;
+      ahead_m[axis] = centre_m + static_cast<float>(resolution * 0.5) - origin[axis];
+      behind_m[axis] = centre_m + static_cast<float>(-resolution * 0.5) - origin[axis];
+    }
+  }
+};
+
+// Rays are taken in chunks, so that neighbours stay together, and by length in each, so that those that share a
+// register end at about the same time.
+constexpr std::size_t kChunk = 1024;
+constexpr std::size_t kMostLanes = 8;
+
+struct Chunk {
+  float x[kChunk + kMostLanes];
+  float y[kChunk + kMostLanes];
+  float z[kChunk + kMostLanes];
+  float length_m[kChunk + kMostLanes];
+  int count = 0;
+};
+
+// What a register's worth of rays needs to walk, each lane its own; see trace_lanes.inc.
+struct Lanes {
+  double next_m[3][kMostLanes];   // way to the next border, by axis
+  double delta_m[3][kMostLanes];  // and from border to border
+  double length_m[kMostLanes];
+  std::uint64_t last[kMostLanes];  // place of the last voxel
+  std::uint64_t flip[kMostLanes];  // the bits of all axes on which the ray goes down
+};
+
+// Lengths and the number of steps from the origin's voxel, for rays [first, first + kChunk) of the scan; then sorts
+// them by that number into `rays`, without those that end where they begin.
+void fill_chunk(const Fan& fan, const RayEnds& ends_m, std::size_t first, Chunk& rays) {
+  const std::size_t count = std::min(kChunk, ends_m.count - first);
+  const float* const x = ends_m.x.data() + first;
+  const float* const y = ends_m.y.data() + first;
+  const float* const z = ends_m.z.data() + first;
+  std::array<float, kChunk> length_m;
+  std::array<std::int32_t, kChunk> steps;
+  std::int32_t most = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    const float dx = x[i] - fan.origin_m.x();
+    const float dy = y[i] - fan.origin_m.y();
+    const float dz = z[i] - fan.origin_m.z();
+    length_m[i] = std::sqrt(dx * dx + dy * dy + dz * dz);
+    const auto voxels_off = [&](float end, int axis) {
+      const double scaled = end * fan.per_metre;
+      const auto truncated = static_cast<std::int32_t>(scaled);
+      return std::abs(truncated - (truncated > scaled ? 1 : 0) - fan.first[axis]);
+    };
+    steps[i] = voxels_off(x[i], 0) + voxels_off(y[i], 1) + voxels_off(z[i], 2);
+    most = std::max(most, steps[i]);
+  }
+  constexpr int kBuckets = 256;
+  const int shift = std::max(static_cast<int>(std::bit_width(static_cast<std::uint32_t>(most))) - 8, 0);
+  std::array<std::uint32_t, kBuckets + 1> begins{};
+  for (std::size_t i = 0; i < count; ++i) begins[static_cast<std::size_t>(steps[i] >> shift) + 1] += steps[i] != 0;
+  for (std::size_t b = 0; b < kBuckets; ++b) begins[b + 1] += begins[b];
+  rays.count = static_cast<int>(begins[kBuckets]);
+  for (std::size_t i = 0; i < count; ++i) {
+    if (steps[i] == 0) continue;
+    const std::size_t to = begins[static_cast<std::size_t>(steps[i] >> shift)]++;
+    rays.x[to] = x[i];
+    rays.y[to] = y[i];
+    rays.z[to] = z[i];
+    rays.length_m[to] = length_m[i];
+  }
+  // What is left of the last register repeats the last ray: marks are the same.
+  if (rays.count == 0) return;
+  for (float* const column : {rays.x, rays.y, rays.z, rays.length_m}) {
+    std::fill_n(column + rays.count, kMostLanes, column[rays.count - 1]);
+  }
+}
+
+}  // namespace
+
+#if defined(__x86_64__)
+#pragma GCC push_options
+#pragma GCC target("avx2")
+namespace avx2 {
+#include "kilter/occupancy/trace_rays_avx2.inc"
+}  // namespace avx2
+#pragma GCC pop_options
+
+#pragma GCC push_options
+#pragma GCC target("avx512f")
+namespace avx512 {
+#include "kilter/occupancy/trace_rays_avx512.inc"
+}  // namespace avx512
+#pragma GCC pop_options
+#endif
+
+namespace {
+
+void trace_one(const Fan& fan, const Eigen::Vector3f& end_m, ScanMarks& marks) {
+  VoxelIndex voxel = fan.first;
+  const VoxelIndex last = voxel_at(end_m.cast<double>(), fan.resolution_m);
+  if (voxel == last) return;
+  const auto length_m = static_cast<float>(ray_length_m(end_m - fan.origin_m));
+  const Eigen::Vector3f direction = (end_m - fan.origin_m) / length_m;
+  Eigen::Vector3i step = Eigen::Vector3i::Zero();
+  Eigen::Vector3d next_m = Eigen::Vector3d::Constant(kNever);
+  Eigen::Vector3d delta_m = next_m;
+  for (int axis = 0; axis < 3; ++axis) {
+    if (direction[axis] == 0.0F) continue;
+    step[axis] = direction[axis] > 0.0F ? 1 : -1;
+    next_m[axis] = (direction[axis] > 0.0F ? fan.ahead_m : fan.behind_m)[axis] / direction[axis];
+    delta_m[axis] = fan.resolution_m / std::abs(direction[axis]);
+  }
+  do {
+    marks.mark(voxel, ScanMarks::kMiss);
+    const int axis = next_m.x() < next_m.y() ? (next_m.x() < next_m.z() ? 0 : 2) : (next_m.y() < next_m.z() ? 1 : 2);
+    voxel[axis] += step[axis];
+    next_m[axis] += delta_m[axis];
+  } while (voxel != last && next_m.minCoeff() <= length_m);
+}
+
+}  // namespace
+
+void RayEnds::clear_for(std::size_t most) {
+  count = 0;
+  for (std::vector<float>* column : {&x, &y, &z}) column->resize(std::max(column->size(), most));
+}
+
+TraceRays trace_rays_with(VectorPath path) {
+#if defined(__x86_64__)
+  if (path == VectorPath::kAvx512) return avx512::trace;
+  if (path == VectorPath::kAvx2) return avx2::trace;
+#else
+  static_cast<void>(path);
+#endif
+  return trace_rays_one_by_one;
+}
+
+void trace_rays_one_by_one(const Eigen::Vector3f& origin_m, const RayEnds& ends_m, double resolution_m,
+                           ScanMarks& marks) {
+  const Fan fan(origin_m, resolution_m);
+  for (std::size_t i = 0; i < ends_m.count; ++i) {
+    trace_one(fan, {ends_m.x[i], ends_m.y[i], ends_m.z[i]}, marks);
+  }
+}
+
+}  // namespace kilter
