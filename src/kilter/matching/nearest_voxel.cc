@@ -144,8 +144,16 @@ const NearestVoxelField* NearestVoxelSearch::field() const {
   std::call_once(field_->asked, [&] {
     if (!NearestVoxelField::fits(*map_, max_distance_m_)) return;
     field_->field = std::make_unique<const NearestVoxelField>(*map_, max_distance_m_);
+    field_->made.store(field_->field.get(), std::memory_order_release);
   });
   return field_->field.get();
+}
+
+std::size_t NearestVoxelSearch::bytes() const {
+  const NearestVoxelField* field = field_->made.load(std::memory_order_acquire);
+  return points_.x.size() * (3 * sizeof(float) + sizeof(std::int32_t)) + clusters_.size() * sizeof(Cluster) +
+         of_block_.size() * sizeof(ClusterRange) + offsets_.size() * sizeof(Eigen::Vector3i) +
+         steps_.size() * sizeof(Step) + (field == nullptr ? 0 : field->bytes());
 }
 
 NearestVoxelCursor::NearestVoxelCursor(const NearestVoxelSearch& search) : search_(&search), table_(64, 0) {}

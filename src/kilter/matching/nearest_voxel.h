@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -53,16 +54,16 @@ class NearestVoxelSearch {
   [[nodiscard]] const VoxelMap& map() const { return *map_; }
   [[nodiscard]] VoxelPosition position() const { return position_; }
   [[nodiscard]] double max_distance_m() const { return max_distance_m_; }
-  /// Memory held, the map's own left out. [bytes]
-  [[nodiscard]] std::size_t bytes() const {
-    return 3 * points_.x.size() * sizeof(float) + offsets_.size() * sizeof(BlockOffset);
-  }
+  /// Memory held by now, the field's included and the map's own left out. Grows with what was asked of the field.
+  /// [bytes]
+  [[nodiscard]] std::size_t bytes() const;
 
  private:
   friend class NearestVoxelCursor;
   struct LazyField {
     std::once_flag asked;
     std::unique_ptr<const NearestVoxelField> field;
+    std::atomic<const NearestVoxelField*> made = nullptr;  // for who counts bytes while another thread makes it
   };
   // What is looked at in one step: clusters of certain blocks around the home block, at certain distances from its box.
   struct Step {

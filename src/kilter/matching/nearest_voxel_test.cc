@@ -112,6 +112,16 @@ TEST(RepeatedSearch, TakesTheFieldsWordWithinTheLimit) {
   EXPECT_GT(found, 300);
 }
 
+TEST(NearestVoxelSearch, CountsWhatItsFieldHoldsByNow) {
+  const VoxelMap map = random_map(0.1, 800, 4.0);
+  const NearestVoxelSearch search(map, VoxelPosition::kCentroid, 1.0);
+  const std::size_t fresh = search.bytes();
+  EXPECT_GT(fresh, map.voxels().size() * 16);
+  (void)search.field()->near({0.0, 0.0, 0.0});
+  EXPECT_EQ(search.bytes(), fresh + search.field()->bytes());
+  EXPECT_GT(search.bytes(), fresh);
+}
+
 TEST(RepeatedSearch, IsExactWhereTheFieldWouldBeTooLarge) {
   const VoxelMap map = random_map(0.1, 800, 4.0);
   const NearestVoxelSearch search(map, VoxelPosition::kCentroid, 5.0);
