@@ -31,7 +31,10 @@ void add_common_options(CLI::App& command, CommonOptions& options) {
       command.add_option("--jobs", options.jobs, "threads to use (as many as the machine has)")
           ->option_text("N")
           ->check(CLI::Range(1, 1024)),
-      command.add_option("--memory", options.memory, "most that submaps take, e.g. 4G or 512M (check: half of what is free)")->option_text("SIZE"),
+      command
+          .add_option("--memory", options.memory,
+                      "most that submaps take, e.g. 4G or 512M (check: half of what is free)")
+          ->option_text("SIZE"),
       command.add_flag("--quiet", options.quiet, "errors only, and the result"),
       command.add_flag("--verbose", options.verbose, "say when each stage begins and ends"),
       command.add_flag("--json", options.json, "the result as JSON on standard output, and nothing else there"),

@@ -34,7 +34,8 @@ void run_on_threads(int threads, const std::function<void()>& work) {
 void run_on_threads(int threads, const std::function<void()>& work) {
   tbb::task_arena arena(threads);
   arena.execute([&] {
-    tbb::parallel_for(0, threads, [&](int) { work(); }, tbb::simple_partitioner());
+    tbb::parallel_for(
+        0, threads, [&](int) { work(); }, tbb::simple_partitioner());
   });
 }
 #endif

@@ -15,7 +15,8 @@ namespace {
 
 std::vector<std::byte> some_bytes(std::size_t count, int salt) {
   std::vector<std::byte> bytes(count);
-  for (std::size_t i = 0; i < count; ++i) bytes[i] = static_cast<std::byte>((i * 31 + static_cast<std::size_t>(salt)) & 0xFF);
+  for (std::size_t i = 0; i < count; ++i)
+    bytes[i] = static_cast<std::byte>((i * 31 + static_cast<std::size_t>(salt)) & 0xFF);
   return bytes;
 }
 

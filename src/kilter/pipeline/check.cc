@@ -66,8 +66,15 @@ Expected<std::vector<SubmapNode>> plan_all(const std::vector<RobotLog>& robots, 
 }
 
 SubmapSummary summary_of(const Submap& submap, const std::string& robot) {
-  return {submap.id, submap.name, robot, submap.index + 1, submap.scans, submap.T_world_submap,
-          submap.map.voxels().size(), submap.map.bytes(), submap.dropped_points};
+  return {submap.id,
+          submap.name,
+          robot,
+          submap.index + 1,
+          submap.scans,
+          submap.T_world_submap,
+          submap.map.voxels().size(),
+          submap.map.bytes(),
+          submap.dropped_points};
 }
 
 // All robots' submaps side by side; each goes into the store as soon as it is built.
@@ -106,10 +113,9 @@ Expected<std::vector<PairMeasurement>> measure_all(const std::vector<SubmapNode>
   ids.reserve(candidates.size());
   for (const CandidatePair& pair : candidates) ids.push_back(pair.id);
   std::vector<PairMeasurement> measured(candidates.size());
-  const Expected<void> done =
-      for_each_pair(nodes, store, ids, stage_context(run, "pairs"), [&](std::size_t i, const PlacedPair& maps) {
-        measured[i] = measure_pair(maps, candidates[i], options);
-      });
+  const Expected<void> done = for_each_pair(
+      nodes, store, ids, stage_context(run, "pairs"),
+      [&](std::size_t i, const PlacedPair& maps) { measured[i] = measure_pair(maps, candidates[i], options); });
   if (!done) return pass_up(done.error());
   left_out = std::erase_if(measured, [](const PairMeasurement& pair) { return !pair.listed; });
   if (run.cancelled != nullptr && run.cancelled->load()) return measured;
@@ -186,8 +192,7 @@ Expected<Result> check(const std::vector<RobotLog>& robots, const CheckOptions& 
   BuiltSubmaps submaps;
   {
     const Stopwatch watch(result.seconds["submaps"]);
-    Expected<BuiltSubmaps> built =
-        build_all(robots, *std::move(plan), options, stage_context(run, "submaps"), store);
+    Expected<BuiltSubmaps> built = build_all(robots, *std::move(plan), options, stage_context(run, "submaps"), store);
     if (!built) return pass_up(built.error());
     submaps = *std::move(built);
   }

@@ -162,9 +162,9 @@ TEST(Check, AnyBudgetGivesTheSameResult) {
   std::size_t largest = 0;
   for (const SubmapSummary& submap : all->submaps) largest = std::max(largest, submap.bytes);
   MemorySpill spill;
-  const auto few = check(robots, small_submaps(), {},
-                         {.threads = 3, .memory_bytes = 4 * largest, .spill = &spill, .fuse_maps = true,
-                          .draw_picture = true});
+  const auto few =
+      check(robots, small_submaps(), {},
+            {.threads = 3, .memory_bytes = 4 * largest, .spill = &spill, .fuse_maps = true, .draw_picture = true});
   ASSERT_TRUE(few.has_value()) << few.error().message;
   EXPECT_GT(spill.written(), 2U);
   EXPECT_GT(spill.reads(), spill.written());

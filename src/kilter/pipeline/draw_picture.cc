@@ -127,8 +127,7 @@ void draw_samples(const PairResult& pair, const Picture& picture, const PlacedPa
   const CloudPicture& target = picture.clouds[static_cast<std::size_t>(pair.id.target.value)];
   const double d_m = pair.max_distance_m;
   const auto both = [&](const Pose3& T_target_source, auto member) {
-    drawn.source.*member =
-        samples(source, drawn.stride, maps.target.searchable.by_centroid(), T_target_source, d_m);
+    drawn.source.*member = samples(source, drawn.stride, maps.target.searchable.by_centroid(), T_target_source, d_m);
     drawn.target.*member =
         samples(target, drawn.stride, maps.source.searchable.by_centroid(), T_target_source.inverse(), d_m);
   };

@@ -149,8 +149,8 @@ CheckOptions resolved(CheckOptions options) {
 }
 
 SearchSetup search_setup(const CheckOptions& options) {
-  return {options.matching.position, std::max(options.matching.max_distance_m,
-                                              kConflictMarginVoxels * options.submap.occupancy.resolution_m)};
+  return {options.matching.position,
+          std::max(options.matching.max_distance_m, kConflictMarginVoxels * options.submap.occupancy.resolution_m)};
 }
 
 PairMeasurement measure_pair(const PlacedPair& maps, const CandidatePair& pair, const CheckOptions& options) {

@@ -46,8 +46,7 @@ std::vector<std::size_t> order_for_reuse(std::span<const PairId> pairs) {
 }
 
 Expected<void> for_each_pair(std::span<const SubmapNode> nodes, SubmapStore& store, std::span<const PairId> pairs,
-                             const RunContext& run,
-                             const std::function<void(std::size_t, const PlacedPair&)>& body) {
+                             const RunContext& run, const std::function<void(std::size_t, const PlacedPair&)>& body) {
   const std::vector<std::size_t> order = order_for_reuse(pairs);
   FirstFailure failure;
   parallel_for(order.size(), run, [&](std::size_t k) {

@@ -31,9 +31,9 @@ struct PlacedPair {
 /// row of tiles, to and fro.
 [[nodiscard]] std::vector<std::size_t> order_for_reuse(std::span<const PairId> pairs);
 
-/// Calls `body(i, pair)` for every pairs[i], on at most `run.threads` threads, in the order for reuse, both maps held by
-/// the store meanwhile. `body` must only write to what belongs to i. Stops early once a stop is requested.
-/// \return what the store failed with; some pairs were left out then.
+/// Calls `body(i, pair)` for every pairs[i], on at most `run.threads` threads, in the order for reuse, both maps held
+/// by the store meanwhile. `body` must only write to what belongs to i. Stops early once a stop is requested. \return
+/// what the store failed with; some pairs were left out then.
 [[nodiscard]] Expected<void> for_each_pair(std::span<const SubmapNode> nodes, SubmapStore& store,
                                            std::span<const PairId> pairs, const RunContext& run,
                                            const std::function<void(std::size_t, const PlacedPair&)>& body);

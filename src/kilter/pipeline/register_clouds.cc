@@ -34,8 +34,8 @@ Expected<PairMeasurement> register_clouds(const CloudPair& clouds, const CheckOp
   const std::array<const PointCloud*, 2> sides = {&clouds.target, &clouds.source};
   std::array<std::unique_ptr<const SearchableMap>, 2> maps;
   parallel_for(sides.size(), {run.threads, nullptr, {}}, [&](std::size_t i) {
-    maps[i] = std::make_unique<const SearchableMap>(map_of(*sides[i], clouds.scans, own.submap.occupancy),
-                                                    search_setup(own));
+    maps[i] =
+        std::make_unique<const SearchableMap>(map_of(*sides[i], clouds.scans, own.submap.occupancy), search_setup(own));
   });
   for (std::size_t i = 0; i < maps.size(); ++i) {
     if (maps[i]->map().voxels().size() > 0) continue;

@@ -50,7 +50,8 @@ Error SubmapStore::too_large(std::size_t needed) const {
   return {ErrorCode::kOutOfMemory,
           fmt::format("submaps that must be in memory together need {:.1f} MB, more than --memory allows ({:.1f} MB)",
                       megabytes(needed), megabytes(limits_.memory_bytes)),
-          {}, "raise --memory, or use a coarser resolution or a smaller max_range"};
+          {},
+          "raise --memory, or use a coarser resolution or a smaller max_range"};
 }
 
 void SubmapStore::fail_all(Error error) {
@@ -121,9 +122,8 @@ Expected<void> SubmapStore::acquire(std::span<const std::size_t> numbers) {
   }
   for (const std::size_t number : missing) bring_in(lock, number);
   changed_.wait(lock, [&] {
-    return failure_ || std::all_of(numbers.begin(), numbers.end(), [&](std::size_t number) {
-             return entries_[number].map != nullptr;
-           });
+    return failure_ || std::all_of(numbers.begin(), numbers.end(),
+                                   [&](std::size_t number) { return entries_[number].map != nullptr; });
   });
   if (failure_) return pass_up(*failure_);
   return {};

@@ -57,11 +57,11 @@ struct StoreLimits {
 
 /// Holds the maps of a mission's submaps in bounded memory. What nobody uses goes out when room is needed, the least
 /// recently used first: to the spill space, once, for a map never changes; whoever asks for it later gets the same bits
-/// back. (Reading one again costs a hundredth of building it anew from its scans, see docs/performance.md.) Callers wait
-/// while others use what fills the memory, so any number of threads gets along with room for a single pair.
+/// back. (Reading one again costs a hundredth of building it anew from its scans, see docs/performance.md.) Callers
+/// wait while others use what fills the memory, so any number of threads gets along with room for a single pair.
 ///
-/// A thread that holds a pin must not ask for another: both of a pair are asked for at once. After a failure all further
-/// calls fail with the same error. Any thread may call.
+/// A thread that holds a pin must not ask for another: both of a pair are asked for at once. After a failure all
+/// further calls fail with the same error. Any thread may call.
 class SubmapStore {
  public:
   /// For submaps with ids 0 ... count - 1.
@@ -92,7 +92,8 @@ class SubmapStore {
 
   Expected<void> acquire(std::span<const std::size_t> numbers);
   void release(std::size_t number);
-  // Whether `needed` bytes are free. If not, puts one submap out or waits for a change; then look again, all may differ.
+  // Whether `needed` bytes are free. If not, puts one submap out or waits for a change; then look again, all may
+  // differ.
   Expected<bool> make_room(Lock& lock, std::size_t needed, std::span<const std::size_t> kept);
   void put_out(Lock& lock, std::size_t number);
   void bring_in(Lock& lock, std::size_t number);

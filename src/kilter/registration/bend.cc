@@ -84,8 +84,8 @@ Residuals moved(std::span<const PlaneResidual> part, const Eigen::Vector3d& cent
 }
 
 // How far a motion is to be believed, 0 to 1: of the residuals that it makes vanish, the share by which they outnumber
-// those that it brings up. Only what the motion changes is asked: most of a scene may be floor, which fits at every shift
-// and says nothing; and clutter fits as well elsewhere.
+// those that it brings up. Only what the motion changes is asked: most of a scene may be floor, which fits at every
+// shift and says nothing; and clutter fits as well elsewhere.
 double belief_in_motion(std::span<const PlaneResidual> before, std::span<const PlaneResidual> after, double vanish_m) {
   std::size_t vanished = 0;
   std::size_t appeared = 0;
@@ -132,8 +132,8 @@ PartMotion motion_of(std::span<const PlaneResidual> part, double resolution_m, d
   if (belief == 0.0) motion.setZero();
   const double mean_m2 = motion.dot(M * motion) - (belief > 0.0 ? MC.trace() : 0.0);
   // Either it moved or it did not.
-  return {belief * mean_m2, 2.0 * (MC * MC).trace() + 4.0 * motion.dot(MC * (M * motion)) +
-                                belief * (1.0 - belief) * mean_m2 * mean_m2};
+  return {belief * mean_m2,
+          2.0 * (MC * MC).trace() + 4.0 * motion.dot(MC * (M * motion)) + belief * (1.0 - belief) * mean_m2 * mean_m2};
 }
 
 }  // namespace

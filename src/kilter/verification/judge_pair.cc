@@ -275,10 +275,10 @@ PairVerdict judge_displacement(const PairEvidence& pair, const MapNull& null, co
     verdict.reason = fmt::format("{}; {}", measured, why_not);
     disbelieve(options, verdict);
   } else if (moved && !fit_improved(pair)) {
-    verdict.reason = pair.registered->conflict.share() > pair.map.conflict.share()
-                         ? fmt::format("{}, but what both saw conflicts more there: a similar place may be what fits",
-                                       measured)
-                         : fmt::format("{}, but the pair agrees no better there", measured);
+    verdict.reason =
+        pair.registered->conflict.share() > pair.map.conflict.share()
+            ? fmt::format("{}, but what both saw conflicts more there: a similar place may be what fits", measured)
+            : fmt::format("{}, but the pair agrees no better there", measured);
     disbelieve(options, verdict);
   } else if (beyond) {
     verdict.reason = fmt::format(
