@@ -1,0 +1,162 @@
+// SPDX-FileCopyrightText: The kilter authors
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// kilter_kernels KERNEL PATH   runs one kernel once, on the same small scene always, and prints what it found
+// kilter_kernels --list        names of the kernels, and of the paths that this processor has
+// kilter_kernels --compiler    what built it
+//
+// Only what happens inside kilter_counted is the kernel; a tool that counts instructions is told that name.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <functional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "kilter/matching/nearest_voxel.h"
+#include "kilter/matching/scan_points.h"
+#include "kilter/occupancy/map_builder.h"
+#include "kilter/registration/normal_equations.h"
+#include "kilter/registration/plane_matches.h"
+#include "testing/scenes.h"
+
+extern "C" __attribute__((noinline)) void kilter_counted(const std::function<void()>& work) { work(); }
+
+namespace {
+
+using kilter::NearestVoxelSearch;
+using kilter::Pose3;
+using kilter::VectorPath;
+using kilter::VoxelPosition;
+
+constexpr double kReach_m = 1.0;
+
+struct Scene {
+  explicit Scene(VectorPath path)
+      : source(pair.source.map, VoxelPosition::kCentroid, kReach_m, path),
+        target(pair.target.map, VoxelPosition::kCentroid, kReach_m, path) {}
+
+  kilter::testing::SubmapPair pair = kilter::testing::room_pair();
+  NearestVoxelSearch source;
+  NearestVoxelSearch target;
+
+  // Every source voxel, a little off its place.
+  [[nodiscard]] std::vector<Eigen::Vector3d> points_target_m() const {
+    const Pose3 T = Pose3::from_translation(0.05, -0.03, 0.02) * pair.T_target_source;
+    std::vector<Eigen::Vector3d> points;
+    for (const Eigen::Vector3f& centroid : pair.source.map.voxels().centroids_m) points.push_back(T * centroid.cast<double>());
+    return points;
+  }
+};
+
+// One pose, the statistic's search.
+std::string exact_search(VectorPath path) {
+  const Scene scene(path);
+  const std::vector<Eigen::Vector3d> points_m = scene.points_target_m();
+  kilter::NearestVoxelCursor cursor(scene.target);
+  double sum_m = 0.0;
+  std::size_t found = 0;
+  kilter_counted([&] {
+    for (const Eigen::Vector3d& point_m : points_m) {
+      const auto nearest = cursor.nearest(point_m, kReach_m);
+      if (!nearest) continue;
+      sum_m += nearest->distance_m;
+      ++found;
+    }
+  });
+  return fmt::format("{} of {} points, {:.6f} m together", found, points_m.size(), sum_m);
+}
+
+std::string ray_integration(VectorPath /*path*/) {
+  const std::vector<Eigen::Vector3d> points_m =
+      kilter::testing::scan(kilter::testing::furnished_room(), kilter::testing::pose_at(3.0, 3.0, 1.2, 0.3), 0.01, 1);
+  kilter::MapBuilder builder({.resolution_m = 0.1});
+  kilter_counted([&] {
+    for (int k = 0; k < 3; ++k) builder.insert_scan(points_m, Eigen::Vector3d::Zero());
+  });
+  return fmt::format("{} occupied voxels of {} points", builder.finish().voxels().size(), points_m.size());
+}
+
+std::string plane_matches(VectorPath path) {
+  const Scene scene(path);
+  kilter::PlanePair pair{scene.source, scene.target};
+  (void)kilter::match_planes(pair, scene.pair.T_target_source, kReach_m, kilter::kAllPoints);
+  std::vector<kilter::PlaneResidual> residuals;
+  kilter_counted([&] {
+    residuals = kilter::match_planes(pair, Pose3::from_translation(0.05, -0.03, 0.02) * scene.pair.T_target_source,
+                                     kReach_m, kilter::kAllPoints);
+  });
+  return fmt::format("{} matches", residuals.size());
+}
+
+std::string normal_equations(VectorPath path) {
+  const Scene scene(path);
+  kilter::PlanePair pair{scene.source, scene.target};
+  const auto residuals = kilter::match_planes(pair, scene.pair.T_target_source, kReach_m, kilter::kAllPoints);
+  kilter::NormalEquations equations;
+  kilter_counted([&] { equations = kilter::build_normal_equations(residuals); });
+  return fmt::format("{} residuals, weight {:.6f}", residuals.size(), equations.weight);
+}
+
+struct Kernel {
+  std::string_view name;
+  std::string (*run)(VectorPath path);
+};
+constexpr std::array kKernels = {Kernel{"exact-search", exact_search}, Kernel{"ray-integration", ray_integration},
+                                 Kernel{"plane-matches", plane_matches}, Kernel{"normal-equations", normal_equations}};
+
+struct Path {
+  std::string_view name;
+  VectorPath path;
+};
+constexpr std::array kPaths = {Path{"baseline", VectorPath::kBaseline}, Path{"avx2", VectorPath::kAvx2},
+                               Path{"avx512", VectorPath::kAvx512}};
+
+bool has(VectorPath path) {
+  const std::span<const VectorPath> all = kilter::vector_paths();
+  return std::find(all.begin(), all.end(), path) != all.end();
+}
+
+void list() {
+  for (const Kernel& kernel : kKernels) fmt::print("kernel {}\n", kernel.name);
+  for (const Path& path : kPaths) {
+    if (has(path.path)) fmt::print("path {}\n", path.name);
+  }
+}
+
+int run(std::string_view kernel_name, std::string_view path_name) {
+  for (const Path& path : kPaths) {
+    if (path.name != path_name || !has(path.path)) continue;
+    for (const Kernel& kernel : kKernels) {
+      if (kernel.name != kernel_name) continue;
+      fmt::print("{}\n", kernel.run(path.path));
+      return 0;
+    }
+  }
+  fmt::print(stderr, "no kernel {} or no path {} here\n", kernel_name, path_name);
+  return 2;
+}
+
+}  // namespace
+
+int main(int count, char** words) {
+  const std::vector<std::string_view> arguments(words + 1, words + count);
+  if (arguments.size() == 1 && arguments[0] == "--list") {
+    list();
+    return 0;
+  }
+  if (arguments.size() == 1 && arguments[0] == "--compiler") {
+#if defined(__clang__)
+    fmt::print("clang-{}.{}\n", __clang_major__, __clang_minor__);
+#else
+    fmt::print("gcc-{}.{}\n", __GNUC__, __GNUC_MINOR__);
+#endif
+    return 0;
+  }
+  if (arguments.size() == 2) return run(arguments[0], arguments[1]);
+  fmt::print(stderr, "kilter_kernels KERNEL PATH | --list | --compiler\n");
+  return 2;
+}
