@@ -16,8 +16,8 @@
 #include <string_view>
 #include <vector>
 
+#include "kilter/base/vector_path.h"
 #include "kilter/matching/nearest_voxel.h"
-#include "kilter/matching/scan_points.h"
 #include "kilter/occupancy/map_builder.h"
 #include "kilter/registration/normal_equations.h"
 #include "kilter/registration/plane_matches.h"
@@ -47,7 +47,8 @@ struct Scene {
   [[nodiscard]] std::vector<Eigen::Vector3d> points_target_m() const {
     const Pose3 T = Pose3::from_translation(0.05, -0.03, 0.02) * pair.T_target_source;
     std::vector<Eigen::Vector3d> points;
-    for (const Eigen::Vector3f& centroid : pair.source.map.voxels().centroids_m) points.push_back(T * centroid.cast<double>());
+    for (const Eigen::Vector3f& centroid : pair.source.map.voxels().centroids_m)
+      points.push_back(T * centroid.cast<double>());
     return points;
   }
 };

@@ -98,8 +98,8 @@ TEST(MatrixPng, ManySubmapsAndNoneAreDrawnToo) {
   EXPECT_EQ(decoded(matrix_png(result, {}, {})).width(), 1032);
   result = testing::result_of({{"a", 2500}});
   const Image shared = decoded(matrix_png(result, {{{{2499}, {0}}, 10.0}}, {10.0}));
-  EXPECT_EQ(shared.width(), 2 * 834 + 32);  // three submaps to a cell
-  EXPECT_EQ(shared.at(17, 17 + 2 * 833), scale_colour(0.5));
+  EXPECT_EQ(shared.width(), 2 * 834 + 32);                    // three submaps to a cell
+  EXPECT_EQ(shared.at(17, 16 + 2 * 833), scale_colour(0.5));  // the last row of pixels is the robot's border
   result = testing::result_of({});
   EXPECT_GT(decoded(matrix_png(result, {}, {})).width(), 100);
 }
