@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <array>
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -53,16 +54,13 @@ struct Scene {
   }
 };
 
-// One pose, the statistic's search.
-std::string exact_search(VectorPath path) {
-  const Scene scene(path);
-  const std::vector<Eigen::Vector3d> points_m = scene.points_target_m();
-  kilter::NearestVoxelCursor cursor(scene.target);
+std::string distances(const std::vector<Eigen::Vector3d>& points_m,
+                      const std::function<std::optional<kilter::NearestVoxel>(std::size_t)>& near) {
   double sum_m = 0.0;
   std::size_t found = 0;
   kilter_counted([&] {
-    for (const Eigen::Vector3d& point_m : points_m) {
-      const auto nearest = cursor.nearest(point_m, kReach_m);
+    for (std::size_t i = 0; i < points_m.size(); ++i) {
+      const auto nearest = near(i);
       if (!nearest) continue;
       sum_m += nearest->distance_m;
       ++found;
@@ -71,10 +69,27 @@ std::string exact_search(VectorPath path) {
   return fmt::format("{} of {} points, {:.6f} m together", found, points_m.size(), sum_m);
 }
 
-std::string ray_integration(VectorPath /*path*/) {
+// One pose, the statistic's search.
+std::string exact_search(VectorPath path) {
+  const Scene scene(path);
+  const std::vector<Eigen::Vector3d> points_m = scene.points_target_m();
+  kilter::NearestVoxelCursor cursor(scene.target);
+  return distances(points_m, [&](std::size_t i) { return cursor.nearest(points_m[i], kReach_m); });
+}
+
+// Registration's search, once the field is there.
+std::string field_look_up(VectorPath path) {
+  const Scene scene(path);
+  const std::vector<Eigen::Vector3d> points_m = scene.points_target_m();
+  kilter::RepeatedSearch search(scene.target, points_m.size());
+  for (std::size_t i = 0; i < points_m.size(); ++i) static_cast<void>(search.near(i, points_m[i], kReach_m));
+  return distances(points_m, [&](std::size_t i) { return search.near(i, points_m[i], kReach_m); });
+}
+
+std::string ray_integration(VectorPath path) {
   const std::vector<Eigen::Vector3d> points_m =
       kilter::testing::scan(kilter::testing::furnished_room(), kilter::testing::pose_at(3.0, 3.0, 1.2, 0.3), 0.01, 1);
-  kilter::MapBuilder builder({.resolution_m = 0.1});
+  kilter::MapBuilder builder({.resolution_m = 0.1}, path);
   kilter_counted([&] {
     for (int k = 0; k < 3; ++k) builder.insert_scan(points_m, Eigen::Vector3d::Zero());
   });
@@ -106,8 +121,9 @@ struct Kernel {
   std::string_view name;
   std::string (*run)(VectorPath path);
 };
-constexpr std::array kKernels = {Kernel{"exact-search", exact_search}, Kernel{"ray-integration", ray_integration},
-                                 Kernel{"plane-matches", plane_matches}, Kernel{"normal-equations", normal_equations}};
+constexpr std::array kKernels = {Kernel{"exact-search", exact_search}, Kernel{"field-look-up", field_look_up},
+                                 Kernel{"ray-integration", ray_integration}, Kernel{"plane-matches", plane_matches},
+                                 Kernel{"normal-equations", normal_equations}};
 
 struct Path {
   std::string_view name;
