@@ -57,8 +57,9 @@ struct StoreLimits {
 
 /// Holds the maps of a mission's submaps in bounded memory. What nobody uses goes out when room is needed, the least
 /// recently used first: to the spill space, once, for a map never changes; whoever asks for it later gets the same bits
-/// back. Callers wait while others use what fills the memory, so any number of threads gets along with room for a single
-/// pair. What a field of nearest voxels grows to while a pair is pinned is counted when the last pin is released.
+/// back. Callers wait while others use what fills the memory, so any number of threads gets along with room for a
+/// single pair. What a field of nearest voxels grows to while a pair is pinned is counted when the last pin is
+/// released.
 ///
 /// A thread that holds a pin must not ask for another: both of a pair are asked for at once. After a failure all
 /// further calls fail with the same error. Any thread may call.
