@@ -109,19 +109,27 @@ void fill_chunk(const Fan& fan, const RayEnds& ends_m, std::size_t first, Chunk&
 }  // namespace
 
 #if defined(__x86_64__)
-#pragma GCC push_options
-#pragma GCC target("avx2")
+// Between these two, functions are compiled for the named instructions.
+#define KILTER_PRAGMA(text) _Pragma(#text)
+#if defined(__clang__)
+#define KILTER_BEGIN_TARGET(name) KILTER_PRAGMA(clang attribute push(__attribute__((target(name))), apply_to = function))
+#define KILTER_END_TARGET KILTER_PRAGMA(clang attribute pop)
+#else
+#define KILTER_BEGIN_TARGET(name) KILTER_PRAGMA(GCC push_options) KILTER_PRAGMA(GCC target(name))
+#define KILTER_END_TARGET KILTER_PRAGMA(GCC pop_options)
+#endif
+
+KILTER_BEGIN_TARGET("avx2")
 namespace avx2 {
 #include "kilter/occupancy/trace_rays_avx2.inc"
 }  // namespace avx2
-#pragma GCC pop_options
+KILTER_END_TARGET
 
-#pragma GCC push_options
-#pragma GCC target("avx512f")
+KILTER_BEGIN_TARGET("avx512f")
 namespace avx512 {
 #include "kilter/occupancy/trace_rays_avx512.inc"
 }  // namespace avx512
-#pragma GCC pop_options
+KILTER_END_TARGET
 #endif
 
 namespace {

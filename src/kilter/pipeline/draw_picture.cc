@@ -58,9 +58,9 @@ CloudPicture thinned_cloud(const SurfaceVoxels& voxels, std::size_t all_voxels, 
   return cloud;
 }
 
-std::uint8_t sample(const Eigen::Vector3d& at_m, const NearestVoxelSearch& other, double max_distance_m) {
-  const VoxelMap& map = other.map();
-  const auto nearest = other.nearest(at_m, max_distance_m);
+std::uint8_t sample(const Eigen::Vector3d& at_m, const VoxelMap& map, NearestVoxelCursor& cursor,
+                    double max_distance_m) {
+  const auto nearest = cursor.nearest(at_m, max_distance_m);
   std::uint8_t byte = SamplePicture::kNothing;
   if (nearest) {
     byte = static_cast<std::uint8_t>(std::lround(nearest->distance_m / max_distance_m * SamplePicture::kSteps));
@@ -75,10 +75,11 @@ std::uint8_t sample(const Eigen::Vector3d& at_m, const NearestVoxelSearch& other
 std::vector<std::uint8_t> samples(const CloudPicture& cloud, std::uint32_t stride, const NearestVoxelSearch& other,
                                   const Pose3& T_other_cloud, double max_distance_m) {
   const Eigen::Isometry3d T = T_other_cloud.isometry();
+  NearestVoxelCursor cursor(other);
   std::vector<std::uint8_t> bytes;
   bytes.reserve(cloud.points.size() / stride + 1);
   for (std::size_t i = 0; i < cloud.points.size(); i += stride) {
-    bytes.push_back(sample(T * cloud.point_m(i), other, max_distance_m));
+    bytes.push_back(sample(T * cloud.point_m(i), other.map(), cursor, max_distance_m));
   }
   return bytes;
 }
