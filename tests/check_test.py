@@ -175,6 +175,12 @@ class Output(CheckCase):
     def test_quiet_leaves_standard_error_empty(self):
         self.assertEqual(self.check("--quiet").stderr, "")
 
+    def test_more_jobs_than_processors_are_nothing_to_talk_about(self):
+        allowed = os.sched_getaffinity(0)
+        self.addCleanup(os.sched_setaffinity, 0, allowed)
+        os.sched_setaffinity(0, {min(allowed)})
+        self.assertEqual(self.check("--quiet", "--jobs", 3).stderr, "")
+
     def test_any_number_of_jobs_and_any_memory_give_the_same_bytes(self):
         one, two = self.out / "one", self.out / "two"
         run_kilter("check", self.tiny.mission, "-o", one, "--jobs", 1, "--maps", *self.settings)

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <charconv>
-#include <thread>
 
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
@@ -12,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "apps/kilter/terminal.h"
+#include "kilter/base/parallel.h"
 
 namespace kilter::app {
 
@@ -22,13 +22,13 @@ Progress::Style CommonOptions::progress_style() const {
 }
 
 void add_common_options(CLI::App& command, CommonOptions& options) {
-  options.jobs = static_cast<int>(std::clamp(std::thread::hardware_concurrency(), 1U, 1024U));
+  options.jobs = std::min(available_processors(), 1024);
   std::vector<CLI::Option*> all = {
       command.add_option("--config", options.config_file, "read keys from a TOML file")->option_text("FILE.toml"),
       command.add_option("--set", options.settings, "set one key of `kilter config show`; may be repeated")
           ->option_text("KEY=VALUE")
           ->allow_extra_args(false),
-      command.add_option("--jobs", options.jobs, "threads to use (as many as the machine has)")
+      command.add_option("--jobs", options.jobs, "threads to use (as many as there are processors)")
           ->option_text("N")
           ->check(CLI::Range(1, 1024)),
       command

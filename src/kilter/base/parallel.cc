@@ -6,6 +6,8 @@
 #include <mutex>
 #include <thread>
 
+#include <tbb/global_control.h>
+#include <tbb/info.h>
 #include <tbb/parallel_for.h>
 #include <tbb/partitioner.h>
 #include <tbb/task_arena.h>
@@ -32,6 +34,8 @@ void run_on_threads(int threads, const std::function<void()>& work) {
 }
 #else
 void run_on_threads(int threads, const std::function<void()>& work) {
+  // More than there are processors is the caller's to ask for; without this TBB says on standard error that it refuses.
+  const tbb::global_control allowed(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
   tbb::task_arena arena(threads);
   arena.execute([&] {
     tbb::parallel_for(
@@ -58,6 +62,8 @@ void share_out(std::size_t count, int threads, const std::function<void(std::siz
 }
 
 }  // namespace
+
+int available_processors() { return std::max(tbb::info::default_concurrency(), 1); }
 
 void parallel_for(std::size_t count, const RunContext& run, const std::function<void(std::size_t)>& body) {
   KILTER_EXPECTS(run.threads >= 1);

@@ -21,6 +21,9 @@ struct RunContext {
   [[nodiscard]] bool stop_requested() const { return cancelled != nullptr && cancelled->load(); }
 };
 
+/// Processors that this process may use, at least 1: those that an affinity mask leaves, not all that the machine has.
+[[nodiscard]] int available_processors();
+
 /// Calls `body(i)` for every i in [0, count), on at most `run.threads` threads, taken in ascending order; stops early
 /// (leaving the rest uncalled) once a stop is requested. `body` must only write to what belongs to i. An exception
 /// of `body` is rethrown here.
