@@ -18,7 +18,7 @@ bool is_free_with_neighbours(const VoxelMap& map, const VoxelIndex& voxel) {
 
 namespace {
 
-ConflictCount count_conflict(const VoxelMap& surface, const NearestVoxelSearch& space, const Pose3& T_space_surface,
+ConflictCount count_conflict(const VoxelMap& surface, NearestVoxelCursor& space, const Pose3& T_space_surface,
                              double margin_m, std::size_t stride) {
   ConflictCount count;
   if (!space.map().has_free_space()) return count;
@@ -26,12 +26,11 @@ ConflictCount count_conflict(const VoxelMap& surface, const NearestVoxelSearch& 
   const double resolution_m = space.map().resolution_m();
   // Two points of one voxel are no farther apart than its diagonal.
   const bool own_voxel_is_near = margin_m >= std::sqrt(3.0) * resolution_m;
-  NearestVoxelCursor nearest(space);
   for (std::size_t i = 0; i < surface.voxels().size(); i += stride) {
     const Eigen::Vector3d at_m = T * surface.voxels().centroids_m[i].cast<double>();
     const VoxelIndex voxel = voxel_at(at_m, resolution_m);
     const bool inside = own_voxel_is_near && space.map().state(voxel) == CellState::kOccupied;
-    if (inside || nearest.nearest(at_m, margin_m)) {
+    if (inside || space.nearest(at_m, margin_m)) {
       ++count.known;
     } else if (is_free_with_neighbours(space.map(), voxel)) {
       ++count.known;
@@ -45,6 +44,13 @@ ConflictCount count_conflict(const VoxelMap& surface, const NearestVoxelSearch& 
 
 ConflictSample measure_conflict(const NearestVoxelSearch& source, const NearestVoxelSearch& target,
                                 const Pose3& T_target_source, double margin_m, std::size_t stride) {
+  NearestVoxelCursor in_source(source);
+  NearestVoxelCursor in_target(target);
+  return measure_conflict(in_source, in_target, T_target_source, margin_m, stride);
+}
+
+ConflictSample measure_conflict(NearestVoxelCursor& source, NearestVoxelCursor& target, const Pose3& T_target_source,
+                                double margin_m, std::size_t stride) {
   return {count_conflict(source.map(), target, T_target_source, margin_m, stride),
           count_conflict(target.map(), source, T_target_source.inverse(), margin_m, stride)};
 }

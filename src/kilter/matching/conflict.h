@@ -42,6 +42,8 @@ struct ConflictSample {
 /// other submap is free: the cell and its six neighbours free, and no surface within `margin_m`. Cells within the
 /// margin of a surface count as known but never as conflict, which leaves out grazing rays and the voxels just before
 /// a hit. Every `stride`-th voxel of each is looked at; counts are of those. O(voxels / stride).
+[[nodiscard]] ConflictSample measure_conflict(NearestVoxelCursor& source, NearestVoxelCursor& target,
+                                              const Pose3& T_target_source, double margin_m, std::size_t stride = 1);
 [[nodiscard]] ConflictSample measure_conflict(const NearestVoxelSearch& source, const NearestVoxelSearch& target,
                                               const Pose3& T_target_source, double margin_m, std::size_t stride = 1);
 

@@ -34,19 +34,24 @@ Eigen::AlignedBox3d widened_box(const VoxelMap& map, double by_m) {
 
 DistanceSample measure_distances(const VoxelMap& source, const NearestVoxelSearch& target, const Pose3& T_target_source,
                                  const MatchingOptions& options) {
+  NearestVoxelCursor cursor(target);
+  return measure_distances(source, cursor, T_target_source, options);
+}
+
+DistanceSample measure_distances(const VoxelMap& source, NearestVoxelCursor& target, const Pose3& T_target_source,
+                                 const MatchingOptions& options) {
   DistanceSample sample;
   if (source.voxels().size() == 0 || target.map().voxels().size() == 0) return sample;
   const double d = options.max_distance_m;
   const Eigen::AlignedBox3d box = widened_box(target.map(), d);
   const Eigen::Isometry3d T = T_target_source.isometry();
-  NearestVoxelCursor nearest(target);
   double euclidean_sum = 0.0;
   double occupancy_sum = 0.0;
   for (std::size_t i = 0; i < source.voxels().size(); ++i) {
     const Eigen::Vector3d at_m = T * voxel_position_m(source, i, options.position);
     if (!box.contains(at_m)) continue;
     ++sample.candidates;
-    const std::optional<NearestVoxel> closest = nearest.nearest(at_m, d);
+    const std::optional<NearestVoxel> closest = target.nearest(at_m, d);
     if (!closest) continue;
     const double occupancy_m =
         options.occupancy_weight_m * std::abs(source.probability(i) - target.map().probability(closest->voxel));
@@ -63,21 +68,20 @@ DistanceSample measure_distances(const VoxelMap& source, const NearestVoxelSearc
   return sample;
 }
 
-OverlapEstimate estimate_overlap(const VoxelMap& source, const NearestVoxelSearch& target, const Pose3& T_target_source,
+OverlapEstimate estimate_overlap(const VoxelMap& source, NearestVoxelCursor& target, const Pose3& T_target_source,
                                  const MatchingOptions& options, std::size_t max_samples) {
   const std::size_t count = source.voxels().size();
   if (count == 0 || target.map().voxels().size() == 0) return {};
   const std::size_t stride = std::max<std::size_t>(1, count / max_samples);
   const Eigen::AlignedBox3d box = widened_box(target.map(), options.max_distance_m);
   const Eigen::Isometry3d T = T_target_source.isometry();
-  NearestVoxelCursor nearest(target);
   std::size_t candidates = 0;
   std::size_t matched = 0;
   for (std::size_t i = 0; i < count; i += stride) {
     const Eigen::Vector3d at_m = T * voxel_position_m(source, i, options.position);
     if (!box.contains(at_m)) continue;
     ++candidates;
-    if (nearest.nearest(at_m, options.max_distance_m)) ++matched;
+    if (target.nearest(at_m, options.max_distance_m)) ++matched;
   }
   if (candidates == 0) return {};
   return {static_cast<double>(matched * stride), static_cast<double>(matched) / static_cast<double>(candidates)};

@@ -42,6 +42,9 @@ struct DistanceSample {
 /// Eq. (8): d(m_i, n_j) = d_e + d_f with n_j the voxel of the target closest to m_i, and d_f = occupancy_weight *
 /// |p_i - p_j|. A source voxel matches if its d is at most max_distance_m. Both searches' positions must agree.
 /// O(source voxels), exact.
+/// \param target  of the map that is looked in; a cursor that is kept while poses of a pair change saves work.
+[[nodiscard]] DistanceSample measure_distances(const VoxelMap& source, NearestVoxelCursor& target,
+                                               const Pose3& T_target_source, const MatchingOptions& options);
 [[nodiscard]] DistanceSample measure_distances(const VoxelMap& source, const NearestVoxelSearch& target,
                                                const Pose3& T_target_source, const MatchingOptions& options);
 
@@ -50,7 +53,7 @@ struct OverlapEstimate {
   double matched = 0.0;
   double overlap = 0.0;
 };
-[[nodiscard]] OverlapEstimate estimate_overlap(const VoxelMap& source, const NearestVoxelSearch& target,
+[[nodiscard]] OverlapEstimate estimate_overlap(const VoxelMap& source, NearestVoxelCursor& target,
                                                const Pose3& T_target_source, const MatchingOptions& options,
                                                std::size_t max_samples);
 

@@ -75,10 +75,11 @@ TEST(EstimateOverlap, GuessesWhatMeasuringFinds) {
   const VoxelMap shorter = line_map(1200, 0.0);
   const NearestVoxelSearch search(shorter, VoxelPosition::kCentre, 1.0);
   const DistanceSample exact = measure_distances(line, search, {}, {});
-  const OverlapEstimate guess = estimate_overlap(line, search, {}, {}, 500);
+  NearestVoxelCursor cursor(search);
+  const OverlapEstimate guess = estimate_overlap(line, cursor, {}, {}, 500);
   EXPECT_NEAR(guess.matched, static_cast<double>(exact.matched()), 0.05 * static_cast<double>(exact.matched()));
   EXPECT_NEAR(guess.overlap, exact.overlap(), 0.05);
-  EXPECT_EQ(estimate_overlap(line, search, Pose3::from_translation(0.0, 5.0, 0.0), {}, 500).matched, 0.0);
+  EXPECT_EQ(estimate_overlap(line, cursor, Pose3::from_translation(0.0, 5.0, 0.0), {}, 500).matched, 0.0);
 }
 
 // Figure 3a: two straight lines that meet at their start.

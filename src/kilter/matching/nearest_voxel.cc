@@ -28,14 +28,14 @@ struct Box {
   std::array<float, 3> high_m;
 };
 
-float distance_m(const Box& box, const Cluster& cluster) {
+float square_distance_m2(const Box& box, const Cluster& cluster) {
   float square_m2 = 0.0F;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const float gap_m =
         std::max({cluster.low_m[axis] - box.high_m[axis], box.low_m[axis] - cluster.high_m[axis], 0.0F});
     square_m2 += gap_m * gap_m;
   }
-  return std::sqrt(square_m2);
+  return square_m2;
 }
 
 }  // namespace
@@ -125,11 +125,11 @@ void NearestVoxelSearch::plan_steps() {
     step.least_m2 = kRoundedDown * static_cast<float>(least_m2);
     for (const double ring : kRings) {
       if (first > 0) break;
-      step.to_m = static_cast<float>(ring * edge_m);
+      step.to_m2 = static_cast<float>(ring * edge_m * ring * edge_m);
       steps_.push_back(step);
-      step.from_m = step.to_m;
-      step.to_m = std::numeric_limits<float>::max();
-      step.least_m2 = kRoundedDown * step.from_m * step.from_m;
+      step.from_m2 = step.to_m2;
+      step.to_m2 = std::numeric_limits<float>::max();
+      step.least_m2 = kRoundedDown * step.from_m2;
     }
     steps_.push_back(step);
     first = end;
@@ -200,8 +200,8 @@ bool NearestVoxelCursor::extend(Home& home, float best_m2) const {
     const NearestVoxelSearch::ClusterRange range = search_->of_block_[static_cast<std::size_t>(number)];
     for (std::uint32_t i = range.first; i < range.end; ++i) {
       const Cluster& cluster = search_->clusters_[i];
-      const float gap_m = distance_m(box, cluster);
-      if (gap_m < step.from_m || gap_m >= step.to_m) continue;
+      const float gap_m2 = square_distance_m2(box, cluster);
+      if (gap_m2 < step.from_m2 || gap_m2 >= step.to_m2) continue;
       group.add(cluster);
       if (!group.full()) continue;
       home.groups.push_back(group);
@@ -242,7 +242,7 @@ std::optional<NearestVoxel> NearestVoxelCursor::nearest(const Eigen::Vector3d& p
 }
 
 RepeatedSearch::RepeatedSearch(const NearestVoxelSearch& search, std::size_t points)
-    : search_(&search), field_(search.field()), cursor_(search) {
+    : field_(search.field()), cursor_(search) {
   if (exact()) last_.assign(points, kNoVoxel);
 }
 
@@ -252,10 +252,10 @@ std::optional<NearestVoxel> RepeatedSearch::near(std::size_t i, const Eigen::Vec
     if (nearest) last_[i] = nearest->voxel;
     return nearest;
   }
-  KILTER_EXPECTS(limit_m <= search_->max_distance_m() * (1.0 + 1e-12));
+  KILTER_EXPECTS(limit_m <= search().max_distance_m() * (1.0 + 1e-12));
   const std::uint32_t voxel = field_->near(point_m);
   if (voxel == kNoVoxel) return std::nullopt;
-  const double distance_m = (voxel_position_m(search_->map(), voxel, search_->position()) - point_m).norm();
+  const double distance_m = (voxel_position_m(search().map(), voxel, search().position()) - point_m).norm();
   if (distance_m > limit_m) return std::nullopt;
   return NearestVoxel{voxel, distance_m};
 }

@@ -69,8 +69,8 @@ class NearestVoxelSearch {
   struct Step {
     std::uint32_t first = 0;  // of the offsets
     std::uint32_t end = 0;
-    float from_m = 0.0F;
-    float to_m = std::numeric_limits<float>::max();
+    float from_m2 = 0.0F;  // clusters whose square distance is in [from, to)
+    float to_m2 = std::numeric_limits<float>::max();
     float least_m2 = 0.0F;  // nobody in the home block is nearer to any of them
   };
 
@@ -108,6 +108,9 @@ class NearestVoxelCursor {
   [[nodiscard]] std::optional<NearestVoxel> nearest(const Eigen::Vector3d& point_m, double limit_m,
                                                     std::uint32_t hint = kNoVoxel);
 
+  [[nodiscard]] const NearestVoxelSearch& search() const { return *search_; }
+  [[nodiscard]] const VoxelMap& map() const { return search_->map(); }
+
  private:
   static constexpr std::size_t kMostHomes = 1 << 13;
 
@@ -142,10 +145,11 @@ class RepeatedSearch {
 
   /// Whether answers are those of NearestVoxelSearch::nearest.
   [[nodiscard]] bool exact() const { return field_ == nullptr; }
-  [[nodiscard]] const NearestVoxelSearch& search() const { return *search_; }
+  [[nodiscard]] const NearestVoxelSearch& search() const { return cursor_.search(); }
+  /// The exact search, for who needs it beside.
+  [[nodiscard]] NearestVoxelCursor& cursor() { return cursor_; }
 
  private:
-  const NearestVoxelSearch* search_;
   const NearestVoxelField* field_;
   NearestVoxelCursor cursor_;
   std::vector<std::uint32_t> last_;  // what each point had near it the last time; for the exact search only

@@ -112,7 +112,8 @@ void fill_chunk(const Fan& fan, const RayEnds& ends_m, std::size_t first, Chunk&
 // Between these two, functions are compiled for the named instructions.
 #define KILTER_PRAGMA(text) _Pragma(#text)
 #if defined(__clang__)
-#define KILTER_BEGIN_TARGET(name) KILTER_PRAGMA(clang attribute push(__attribute__((target(name))), apply_to = function))
+#define KILTER_BEGIN_TARGET(name) \
+  KILTER_PRAGMA(clang attribute push(__attribute__((target(name))), apply_to = function))
 #define KILTER_END_TARGET KILTER_PRAGMA(clang attribute pop)
 #else
 #define KILTER_BEGIN_TARGET(name) KILTER_PRAGMA(GCC push_options) KILTER_PRAGMA(GCC target(name))

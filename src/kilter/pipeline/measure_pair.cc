@@ -23,7 +23,8 @@ constexpr double kKeptOverlap = 0.8;
 constexpr double kDoubtfulConflict = 0.03;
 constexpr double kFarMove_m = 0.3;
 
-// Both submaps' searches: by the points of the paper's distances, and by centroids.
+// Both submaps' searches, by the points of the paper's distances and by centroids, and what the look at one pose found
+// out for the next.
 struct PairSearches {
   explicit PairSearches(const PlacedPair& maps)
       : source(maps.source.searchable.by_position()),
@@ -31,10 +32,10 @@ struct PairSearches {
         source_centroids(maps.source.searchable.by_centroid()),
         target_centroids(maps.target.searchable.by_centroid()) {}
 
-  const NearestVoxelSearch& source;
-  const NearestVoxelSearch& target;
-  const NearestVoxelSearch& source_centroids;
-  const NearestVoxelSearch& target_centroids;
+  NearestVoxelCursor source;
+  NearestVoxelCursor target;
+  NearestVoxelCursor source_centroids;
+  NearestVoxelCursor target_centroids;
 };
 
 // The paper's numbers are directed (source into target); whether there is enough to say anything must not depend on
@@ -50,7 +51,7 @@ struct TwoWaySample {
   }
 };
 
-TwoWaySample sample_both_ways(const PairSearches& pair, const Pose3& T_target_source, const CheckOptions& options) {
+TwoWaySample sample_both_ways(PairSearches& pair, const Pose3& T_target_source, const CheckOptions& options) {
   return {measure_distances(pair.source.map(), pair.target, T_target_source, options.matching),
           measure_distances(pair.target.map(), pair.source, T_target_source.inverse(), options.matching)};
 }
@@ -62,7 +63,7 @@ std::optional<DistanceHistogram> histogram_of(const TwoWaySample& sample, const 
   return histogram ? std::optional(std::move(*histogram)) : std::nullopt;
 }
 
-PoseEvidence measure_at(const PairSearches& pair, const Pose3& T_target_source, const TwoWaySample& sample,
+PoseEvidence measure_at(PairSearches& pair, const Pose3& T_target_source, const TwoWaySample& sample,
                         const CheckOptions& options) {
   const double resolution_m = pair.target.map().resolution_m();
   PoseEvidence evidence;
@@ -81,7 +82,7 @@ PoseEvidence measure_at(const PairSearches& pair, const Pose3& T_target_source, 
 
 // Measuring every voxel of every pair whose boxes touch would cost more than all the rest: a look at some of them
 // tells those that cannot come near the gate. Half the gate leaves room for the sampling.
-bool could_pass_gate(const PairSearches& pair, const Pose3& T_target_source, const MatchingOptions& options) {
+bool could_pass_gate(PairSearches& pair, const Pose3& T_target_source, const MatchingOptions& options) {
   const OverlapEstimate forward =
       estimate_overlap(pair.source.map(), pair.target, T_target_source, options, kGlanceVoxels);
   const OverlapEstimate backward =
@@ -105,7 +106,7 @@ std::string gate_reason(const TwoWaySample& sample, const CandidatePair& pair, c
 }
 
 // Measures the pair again where registration put it.
-void measure_registered(const PairSearches& pair, const CheckOptions& options, PairEvidence& evidence) {
+void measure_registered(PairSearches& pair, const CheckOptions& options, PairEvidence& evidence) {
   evidence.registered.reset();
   if (!evidence.registration->converged()) return;
   const Pose3& T_registered = evidence.registration->T_target_source;
@@ -154,7 +155,7 @@ SearchSetup search_setup(const CheckOptions& options) {
 }
 
 PairMeasurement measure_pair(const PlacedPair& maps, const CandidatePair& pair, const CheckOptions& options) {
-  const PairSearches both(maps);
+  PairSearches both(maps);
   PairMeasurement measurement;
   measurement.candidate = pair;
   PairEvidence& evidence = measurement.evidence;
@@ -179,8 +180,8 @@ PairMeasurement measure_pair(const PlacedPair& maps, const CandidatePair& pair, 
     if (!pair.predicted_enough) return measurement;
   }
   const bool oicp = options.registration.method == RegistrationMethod::kOicp;
-  const NearestVoxelSearch& from = oicp ? both.source : both.source_centroids;
-  const NearestVoxelSearch& onto = oicp ? both.target : both.target_centroids;
+  const NearestVoxelSearch& from = (oicp ? both.source : both.source_centroids).search();
+  const NearestVoxelSearch& onto = (oicp ? both.target : both.target_centroids).search();
   const RegistrationPrior prior = prior_of(pair, maps.target, options);
   if (evidence.overlaps) {
     evidence.gap = measure_parallel_gap(both.source.map(), both.target.map(), evidence.T_target_source);
@@ -203,11 +204,11 @@ PairMeasurement measure_pair(const PlacedPair& maps, const CandidatePair& pair, 
 
 PairEvidence register_again(const PlacedPair& maps, const PairMeasurement& before, const Pose3& T_target_source_guess,
                             const CheckOptions& options) {
-  const PairSearches both(maps);
+  PairSearches both(maps);
   PairEvidence evidence = before.evidence;
   evidence.registration =
-      align_near(both.source_centroids, both.target_centroids, evidence.T_target_source, T_target_source_guess,
-                 options.registration, prior_of(before.candidate, maps.target, options));
+      align_near(both.source_centroids.search(), both.target_centroids.search(), evidence.T_target_source,
+                 T_target_source_guess, options.registration, prior_of(before.candidate, maps.target, options));
   measure_registered(both, options, evidence);
   return evidence;
 }

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <span>
 
 namespace kilter {
 namespace {
@@ -62,7 +63,16 @@ class WorthGrid {
     return ((at_m - origin_m_) / cell_m_).array().floor().matrix().cast<int>();
   }
 
-  [[nodiscard]] int worth(const Vector3i& cell) const { return holds(cell) ? worth_[slot(cell)] : 0; }
+  // Adds weight * worth to sums[k] for the cells first + (k, 0, 0); those outside are worth nothing.
+  void add_row(const Vector3i& first, double weight, std::span<double> sums) const {
+    if (first.y() < 0 || first.y() >= size_.y() || first.z() < 0 || first.z() >= size_.z()) return;
+    const int skipped = std::max(-first.x(), 0);
+    const int count = std::min(static_cast<int>(sums.size()), size_.x() - first.x()) - skipped;
+    if (count <= 0) return;
+    const std::int8_t* const worth = worth_.data() + slot({first.x() + skipped, first.y(), first.z()});
+    double* const to = sums.data() + skipped;
+    for (int k = 0; k < count; ++k) to[k] += weight * worth[k];
+  }
 
   void mark_surface(const Vector3d& at_m) { worth_[slot(cell_of(at_m))] = kMet; }
 
@@ -211,11 +221,20 @@ std::vector<SamplePoint> turned(const std::vector<SamplePoint>& points, const Ve
   return out;
 }
 
+// Scores of the shifts first, first + (1, 0, 0), ... Each is summed over the points in their order, so that a row gives
+// what one shift at a time would.
+void score_row(const WorthGrid& grid, const std::vector<Vector3i>& cells, const std::vector<SamplePoint>& points,
+               const Vector3i& first, std::span<double> scores) {
+  std::fill(scores.begin(), scores.end(), 0.0);
+  for (std::size_t i = 0; i < cells.size(); ++i) grid.add_row(cells[i] + first, points[i].weight, scores);
+  for (double& score : scores) score /= kMet;
+}
+
 double score_at(const WorthGrid& grid, const std::vector<Vector3i>& cells, const std::vector<SamplePoint>& points,
                 const Vector3i& shift) {
-  double sum = 0.0;
-  for (std::size_t i = 0; i < cells.size(); ++i) sum += points[i].weight * grid.worth(cells[i] + shift);
-  return sum / kMet;
+  double score = 0.0;
+  score_row(grid, cells, points, shift, {&score, 1});
+  return score;
 }
 
 std::vector<Vector3i> cells_of(const WorthGrid& grid, const std::vector<SamplePoint>& points) {
@@ -278,6 +297,7 @@ std::vector<CoarsePose> coarse_search(const VoxelMap& source, const VoxelMap& ta
   const int turns = static_cast<int>(std::ceil(range.rotation_rad / turn_rad));
 
   std::vector<Move> moves;
+  std::vector<double> scores;
   for (int turn = -turns; turn <= turns; ++turn) {
     const std::vector<SamplePoint> points = turned(sample.upright, sample.middle_m, turn * turn_rad);
     const std::vector<Vector3i> cells = cells_of(grid.upright, points);
@@ -285,9 +305,12 @@ std::vector<CoarsePose> coarse_search(const VoxelMap& source, const VoxelMap& ta
     const double lever_m = 2.0 * std::sin(0.5 * std::abs(turn * turn_rad)) * sample.radius_m;
     const int reach = static_cast<int>(std::ceil((range.translation_m + lever_m) / cell_m));
     for (int y = -reach; y <= reach; ++y) {
-      for (int x = -reach; x <= reach; ++x) {
-        if (x * x + y * y > reach * reach) continue;
-        moves.push_back({{x, y, 0}, turn, score_at(grid.upright, cells, points, {x, y, 0})});
+      int side = reach;
+      while (side * side + y * y > reach * reach) --side;
+      scores.resize(2 * static_cast<std::size_t>(side) + 1);
+      score_row(grid.upright, cells, points, {-side, y, 0}, scores);
+      for (int x = -side; x <= side; ++x) {
+        moves.push_back({{x, y, 0}, turn, scores[static_cast<std::size_t>(x + side)]});
       }
     }
   }

@@ -43,6 +43,8 @@ struct Strides {
 std::vector<PlaneResidual> match_both_ways(PlanePair& pair, const Pose3& T_target_source, double search_m,
                                            const Strides& strides) {
   std::vector<PlaneResidual> residuals;
+  residuals.reserve(pair.source_map().voxels().size() / strides.source +
+                    pair.target_map().voxels().size() / strides.target + 2);
   match_one_way(pair.source_map(), pair.in_target, T_target_source, search_m, strides.source, residuals);
   const std::size_t forward = residuals.size();
   match_one_way(pair.target_map(), pair.in_source, T_target_source.inverse(), search_m, strides.target, residuals);
