@@ -247,17 +247,48 @@ RepeatedSearch::RepeatedSearch(const NearestVoxelSearch& search, std::size_t poi
 }
 
 std::optional<NearestVoxel> RepeatedSearch::near(std::size_t i, const Eigen::Vector3d& point_m, double limit_m) {
-  if (exact()) {
-    const std::optional<NearestVoxel> nearest = cursor_.nearest(point_m, limit_m, last_[i]);
-    if (nearest) last_[i] = nearest->voxel;
-    return nearest;
-  }
+  NearestVoxel found;
+  near(i, 1, {&point_m, 1}, limit_m, {&found, 1});
+  return found.voxel == kNoVoxel ? std::nullopt : std::optional(found);
+}
+
+void RepeatedSearch::near(std::size_t first, std::size_t stride, std::span<const Eigen::Vector3d> at_m, double limit_m,
+                          std::span<NearestVoxel> found) {
   KILTER_EXPECTS(limit_m <= search().max_distance_m() * (1.0 + 1e-12));
-  const std::uint32_t voxel = field_->near(point_m);
-  if (voxel == kNoVoxel) return std::nullopt;
-  const double distance_m = (voxel_position_m(search().map(), voxel, search().position()) - point_m).norm();
-  if (distance_m > limit_m) return std::nullopt;
-  return NearestVoxel{voxel, distance_m};
+  if (!exact()) {
+    for (std::size_t k = 0; k < at_m.size(); k += kBatch) {
+      const std::size_t count = std::min(kBatch, at_m.size() - k);
+      look_up(at_m.subspan(k, count), limit_m, found.subspan(k, count));
+    }
+    return;
+  }
+  for (std::size_t k = 0; k < at_m.size(); ++k) {
+    std::uint32_t& last = last_[first + k * stride];
+    const std::optional<NearestVoxel> nearest = cursor_.nearest(at_m[k], limit_m, last);
+    if (nearest) last = nearest->voxel;
+    found[k] = nearest.value_or(NearestVoxel{kNoVoxel, 0.0});
+  }
+}
+
+void RepeatedSearch::look_up(std::span<const Eigen::Vector3d> at_m, double limit_m,
+                             std::span<NearestVoxel> found) const {
+  const VoxelMap& map = search().map();
+  std::array<const std::uint32_t*, kBatch> where;
+  for (std::size_t k = 0; k < at_m.size(); ++k) {
+    where[k] = field_->where(at_m[k]);
+    __builtin_prefetch(where[k]);
+  }
+  for (std::size_t k = 0; k < at_m.size(); ++k) {
+    found[k].voxel = *where[k];
+    if (found[k].voxel == kNoVoxel) continue;
+    __builtin_prefetch(&map.voxels().centroids_m[found[k].voxel]);
+    __builtin_prefetch(&map.voxels().normals[found[k].voxel]);
+  }
+  for (std::size_t k = 0; k < at_m.size(); ++k) {
+    if (found[k].voxel == kNoVoxel) continue;
+    found[k].distance_m = (voxel_position_m(map, found[k].voxel, search().position()) - at_m[k]).norm();
+    if (found[k].distance_m > limit_m) found[k].voxel = kNoVoxel;
+  }
 }
 
 }  // namespace kilter

@@ -11,6 +11,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "kilter/matching/nearest_voxel_field.h"
@@ -143,6 +144,11 @@ class RepeatedSearch {
   /// the map's frame: the nearest one, or by the field one that is not much farther.
   [[nodiscard]] std::optional<NearestVoxel> near(std::size_t i, const Eigen::Vector3d& point_m, double limit_m);
 
+  /// The same for points number first, first + stride, ... at once: `found[k]` is what lies near at_m[k], its voxel
+  /// kNoVoxel where nothing does. Memory is waited for once, not point by point.
+  void near(std::size_t first, std::size_t stride, std::span<const Eigen::Vector3d> at_m, double limit_m,
+            std::span<NearestVoxel> found);
+
   /// Whether answers are those of NearestVoxelSearch::nearest.
   [[nodiscard]] bool exact() const { return field_ == nullptr; }
   [[nodiscard]] const NearestVoxelSearch& search() const { return cursor_.search(); }
@@ -150,6 +156,9 @@ class RepeatedSearch {
   [[nodiscard]] NearestVoxelCursor& cursor() { return cursor_; }
 
  private:
+  static constexpr std::size_t kBatch = 32;
+  void look_up(std::span<const Eigen::Vector3d> at_m, double limit_m, std::span<NearestVoxel> found) const;
+
   const NearestVoxelField* field_;
   NearestVoxelCursor cursor_;
   std::vector<std::uint32_t> last_;  // what each point had near it the last time; for the exact search only

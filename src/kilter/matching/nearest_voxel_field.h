@@ -37,13 +37,16 @@ class NearestVoxelField {
   NearestVoxelField(const VoxelMap& map, double reach_m, VectorPath path = vector_paths().back());
 
   /// A voxel near a point of the map's frame, or kNoVoxel: then no voxel's point is within reach_m of it.
-  [[nodiscard]] std::uint32_t near(const Eigen::Vector3d& point_m) const {
+  [[nodiscard]] std::uint32_t near(const Eigen::Vector3d& point_m) const { return *where(point_m); }
+
+  /// Where near() reads what it says, for who can fetch that while doing something else. Stays valid.
+  [[nodiscard]] const std::uint32_t* where(const Eigen::Vector3d& point_m) const {
     const VoxelIndex cell = voxel_at(point_m, map_->resolution_m());
     const Eigen::Vector3i at = block_of(cell) - low_;
-    if ((at.array() < 0).any() || (at.array() >= size_.array()).any()) return kNoVoxel;
+    if ((at.array() < 0).any() || (at.array() >= size_.array()).any()) return &kNoVoxel;
     const Block* block = slot(at).load(std::memory_order_acquire);
     if (block == nullptr) block = &build(at);
-    return block->voxels[static_cast<std::size_t>(bit_of(cell))];
+    return &block->voxels[static_cast<std::size_t>(bit_of(cell))];
   }
 
   /// Memory that blocks hold by now; depends on what was asked. [bytes]

@@ -3,8 +3,9 @@
 #include "kilter/registration/plane_matches.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <optional>
+#include <span>
 #include <utility>
 
 namespace kilter {
@@ -20,16 +21,25 @@ void match_one_way(const VoxelMap& from, RepeatedSearch& in_onto, const Pose3& T
   const SurfaceVoxels& planes = onto.voxels();
   const bool oriented = from.has_free_space() && onto.has_free_space();
   const Eigen::Isometry3d T = T_onto_from.isometry();
-  for (std::size_t i = 0; i < points.size(); i += stride) {
-    const Eigen::Vector3d point_m = T * points.centroids_m[i].cast<double>();
-    const std::optional<NearestVoxel> nearest = in_onto.near(i, point_m, search_m);
-    if (!nearest) continue;
-    const Eigen::Vector3d normal = planes.normals[nearest->voxel].cast<double>();
-    if (normal.isZero()) continue;
-    if (!normals_agree(T.linear() * points.normals[i].cast<double>(), normal, oriented)) continue;
-    const double residual_m = normal.dot(point_m - planes.centroids_m[nearest->voxel].cast<double>());
-    residuals.push_back({point_m, normal, residual_m, static_cast<double>(planes.planarity[nearest->voxel]),
-                         points.seen_at[i], planes.seen_at[nearest->voxel]});
+  constexpr std::size_t kBatch = 64;
+  std::array<Eigen::Vector3d, kBatch> at_m;
+  std::array<NearestVoxel, kBatch> near;
+  const std::size_t asking = (points.size() + stride - 1) / stride;
+  for (std::size_t first = 0; first < asking; first += kBatch) {
+    const std::size_t count = std::min(kBatch, asking - first);
+    for (std::size_t k = 0; k < count; ++k) at_m[k] = T * points.centroids_m[(first + k) * stride].cast<double>();
+    in_onto.near(first * stride, stride, std::span(at_m).first(count), search_m, near);
+    for (std::size_t k = 0; k < count; ++k) {
+      const std::size_t i = (first + k) * stride;
+      const std::uint32_t plane = near[k].voxel;
+      if (plane == kNoVoxel) continue;
+      const Eigen::Vector3d normal = planes.normals[plane].cast<double>();
+      if (normal.isZero()) continue;
+      if (!normals_agree(T.linear() * points.normals[i].cast<double>(), normal, oriented)) continue;
+      const double residual_m = normal.dot(at_m[k] - planes.centroids_m[plane].cast<double>());
+      residuals.push_back({at_m[k], normal, residual_m, static_cast<double>(planes.planarity[plane]), points.seen_at[i],
+                           planes.seen_at[plane]});
+    }
   }
 }
 
