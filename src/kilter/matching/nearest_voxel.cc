@@ -40,11 +40,6 @@ float square_distance_m2(const Box& box, const Cluster& cluster) {
 
 }  // namespace
 
-Eigen::Vector3d voxel_position_m(const VoxelMap& map, std::size_t i, VoxelPosition position) {
-  if (position == VoxelPosition::kCentroid) return map.voxels().centroids_m[i].cast<double>();
-  return voxel_centre(map.indices()[i], map.resolution_m());
-}
-
 NearestVoxelSearch::NearestVoxelSearch(const VoxelMap& map, VoxelPosition position, double max_distance_m,
                                        VectorPath path)
     : map_(&map),

@@ -27,7 +27,10 @@ enum class VoxelPosition {
 };
 
 /// Position of occupied voxel i in the map's frame. [m]
-[[nodiscard]] Eigen::Vector3d voxel_position_m(const VoxelMap& map, std::size_t i, VoxelPosition position);
+[[nodiscard]] inline Eigen::Vector3d voxel_position_m(const VoxelMap& map, std::size_t i, VoxelPosition position) {
+  if (position == VoxelPosition::kCentroid) return map.voxels().centroids_m[i].cast<double>();
+  return voxel_centre(map.indices()[i], map.resolution_m());
+}
 
 /// An occupied voxel and how far it is. [m]
 struct NearestVoxel {

@@ -78,9 +78,12 @@ using Patches = std::map<std::array<int, 4>, Patch>;
 // Residuals by cell and facing.
 Patches patches_of(std::span<const PlaneResidual> residuals, const NormalEquations& equations, double cell_m) {
   Patches patches;
+  auto last = patches.end();  // residuals come block by block, so the next is often of the same patch
   for (const PlaneResidual& r : residuals) {
     const Eigen::Vector3i cell = ((r.point_m - equations.centre_m) / cell_m).array().round().matrix().cast<int>();
-    Patch& patch = patches[{cell.z(), cell.y(), cell.x(), facing_of(r.direction)}];
+    const Patches::key_type key = {cell.z(), cell.y(), cell.x(), facing_of(r.direction)};
+    if (last == patches.end() || last->first != key) last = patches.try_emplace(key).first;
+    Patch& patch = last->second;
     const Vector6 pull = r.weight * jacobian(r, equations);
     patch.pull += pull;
     patch.gradient += r.residual_m * pull;
