@@ -219,18 +219,38 @@ std::string doubt(const PairEvidence& pair, const MapNull& null, bool conflict_c
   return {};
 }
 
+// Half of the conflict goes when the source moves, what both saw and where they overlap stay, and more fits. Things
+// that were moved in between do not go by moving the submap.
+bool conflict_is_mended(const PairEvidence& pair) {
+  if (!pair.registered) return false;
+  const PoseEvidence& after = *pair.registered;
+  const auto kept = [](double before, double now) { return now >= kOverlapKept * before; };
+  return after.conflict.share() <= 0.5 * pair.map.conflict.share() && kept(pair.map.overlap, after.overlap) &&
+         kept(static_cast<double>(pair.map.conflict.known()), static_cast<double>(after.conflict.known())) &&
+         static_cast<double>(pair.registration->support_end) >=
+             kLeastGainWithFreeSpace * static_cast<double>(pair.registration->support_start);
+}
+
+// How much conflict a disagreement of the tolerance may make. A surface that stands where the other submap saw through
+// lies at least the conflict's margin off its counterpart, so a share s of such surfaces makes the disagreement at
+// least margin * sqrt(s), whatever it looks like; and things that moved conflict, too. Where a motion mends it, it is
+// not those; and displacements are then spread no wider than a normal law is, which lies beyond the margin less often.
+double tolerated_conflict(const PairEvidence& pair, double tolerance_m) {
+  const double margin_m = kConflictMarginVoxels * pair.resolution_m;
+  const double whatever = std::pow(tolerance_m / margin_m, 2);
+  if (conflict_is_mended(pair)) return std::min(whatever, 2.0 * std::exp(log_normal_tail(margin_m / tolerance_m)));
+  return std::max(whatever, kMovingShare);
+}
+
 // Free space as a witness of its own, where registration is none: for pairs of different places, for submaps that are
-// bent beyond what a rigid motion mends. A surface that stands where the other submap saw through lies at least the
-// conflict's margin off its counterpart, so a share s of such surfaces makes the disagreement at least margin *
-// sqrt(s).
+// bent beyond what a rigid motion mends, for a motion that mends much but may not be the right one.
 void let_free_space_speak(const PairEvidence& pair, const MapNull& null, const JudgeOptions& options,
                           PairVerdict& verdict) {
   if (!pair.overlaps || pair.map.conflict.known() < kFewestKnown) return;
   if (verdict.p_value && *verdict.p_value <= kSurely) return;
-  const double margin_m = kConflictMarginVoxels * pair.resolution_m;
-  const double needed = std::max(std::pow(options.tolerance_m / margin_m, 2), kMovingShare);
   const double excess = pair.map.conflict.share() - null.conflict;
-  const double z = (excess - needed) / std::hypot(null.conflict_spread, kConflictSampling);
+  const double z =
+      (excess - tolerated_conflict(pair, options.tolerance_m)) / std::hypot(null.conflict_spread, kConflictSampling);
   if (z <= 0.0) return;
   const double p_value = std::exp(log_normal_tail(z)) * (verdict.p_value ? 2.0 : 1.0);  // the better of two tests
   if (verdict.p_value && *verdict.p_value <= p_value) return;
@@ -240,10 +260,13 @@ void let_free_space_speak(const PairEvidence& pair, const MapNull& null, const J
   set_posterior(log_ratio, options, verdict);
   verdict.rigid = false;
   verdict.disagreement_most_m.reset();
-  verdict.conflict_reason = fmt::format(
-      "{:.0f} % of what both saw conflicts as the map has it (typical of this map: {:.0f} %), and no rigid motion that "
-      "can be believed mends it: the places differ, or a submap is bent ({})",
-      100.0 * pair.map.conflict.share(), 100.0 * null.conflict, verdict.reason);
+  verdict.conflict_reason =
+      fmt::format("{:.0f} % of what both saw conflicts as the map has it (typical of this map: {:.0f} %), and {} ({})",
+                  100.0 * pair.map.conflict.share(), 100.0 * null.conflict,
+                  conflict_is_mended(pair)
+                      ? "a motion mends most of it, so nothing else has moved; whether it is the right one is open"
+                      : "no rigid motion that can be believed mends it: the places differ, or a submap is bent",
+                  verdict.reason);
 }
 
 PairVerdict judge_displacement(const PairEvidence& pair, const MapNull& null, const JudgeOptions& options) {

@@ -169,6 +169,34 @@ TEST(JudgePair, WhatMovedInBetweenIsNoConflictOfPlaces) {
   EXPECT_EQ(verdict_of(pair), Verdict::kUnverified);
 }
 
+// One aisle may be taken for another, or neighbours bent, so nobody knows the way; but something is in the way.
+TEST(JudgePair, ConflictThatAMotionMendsIsNotOfThingsThatMoved) {
+  PairEvidence pair = pair_moved(0.6, 0.01);
+  pair.registration->searched = true;
+  pair.agreement.contradicting = 5;
+  pair.agreement.contradicting_weight = 3.0;
+  pair.map.conflict = {{1000, 150}, {1000, 150}};
+  pair.registered->conflict = {{1000, 30}, {1000, 30}};
+  EXPECT_EQ(verdict_of(pair), Verdict::kInconsistent);
+  EXPECT_NE(judged(pair).verdict.conflict_reason->find("a motion mends most of it"), std::string::npos);
+  EXPECT_FALSE(judged(pair).verdict.rigid) << "its registration is no constraint";
+  PairEvidence stays = pair;
+  stays.registered->conflict = {{1000, 80}, {1000, 80}};
+  EXPECT_EQ(verdict_of(stays), Verdict::kUnverified);
+  PairEvidence unseen = pair;
+  unseen.registered->conflict = {{700, 10}, {700, 10}};
+  EXPECT_EQ(verdict_of(unseen), Verdict::kUnverified) << "nobody looked where it went";
+  PairEvidence lost = pair;
+  lost.registered->overlap = 0.3;
+  EXPECT_EQ(verdict_of(lost), Verdict::kUnverified);
+  PairEvidence no_better = pair;
+  no_better.registration->support_end = no_better.registration->support_start;
+  EXPECT_EQ(verdict_of(no_better), Verdict::kUnverified);
+  pair.map.conflict = {{1000, 60}, {1000, 60}};  // a share that a disagreement of the tolerance may make
+  EXPECT_EQ(verdict_of(pair), Verdict::kUnverified);
+  EXPECT_EQ(verdict_of(pair, {.tolerance_m = 0.05}), Verdict::kUnverified);
+}
+
 TEST(JudgePair, ASmallGainCountsIfFreeSpaceAgrees) {
   PairEvidence pair = pair_moved(0.3, 0.01);
   pair.registration->support_end = pair.registration->support_start * 6 / 5;
