@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What each piece of evidence is worth: pairs decided again from what result.json says of them, without one piece.
 
-The rules are those of docs/verdicts.md on one pair: `inconsistent` above 99 %, `consistent` below 5 %, and what makes the
-registration doubtful in between. Shares so differ a little from the program's, which holds false discoveries over the
+The rules are those of docs/verdicts.md on one pair: `inconsistent` above 99 % (by free space alone: at p below 1 %),
+`consistent` below 5 %, and what makes the registration doubtful in between. Shares so differ a little from the program's, which holds false discoveries over the
 whole map and knows the spread behind each null; the table's first row shows how much.
 """
 import math
@@ -13,17 +13,27 @@ SURE = math.log(0.99 / 0.01)
 PRIOR = math.log(0.05 / 0.95)
 
 PIECES = ("bend", "neighbours", "ambiguity", "kept overlap", "conflict once registered", "gain of support",
-          "free space alone")
+          "free space alone", "conflict that a motion mends")
+WHATEVER_IT_IS = 0.25  # share of conflict, above the typical, that needs no motion to speak
 
 
 def value(row, name, key="value"):
     return row["pieces"].get(name, {}).get(key)
 
 
+def free_space(row, without):
+    """How strongly free space speaks, if it does."""
+    said = value(row, "conflict", "log_ratio")
+    if said is None or without == "free space alone":
+        return None
+    mended = value(row, "conflict") - value(row, "conflict", "null") < WHATEVER_IT_IS
+    return None if mended and without == "conflict that a motion mends" else said
+
+
 def log_odds(row, without=""):
     """Of a disagreement above the tolerance, at the prior; 0 where nothing was measured."""
     said = value(row, "displacement" if without == "bend" else "disagreement", "log_ratio")
-    alone = value(row, "conflict", "log_ratio") if without != "free space alone" else None
+    alone = free_space(row, without)
     ratios = [ratio for ratio in (said, alone) if ratio is not None]
     return max(ratios) + PRIOR if ratios else 0.0
 
@@ -31,6 +41,8 @@ def log_odds(row, without=""):
 def support_grew(row):
     start, end = value(row, "support"), value(row, "support", "null")
     before, after = value(row, "conflict") or 0.0, value(row, "conflict_registered") or 0.0
+    if after > before:
+        return end >= 3.0 * start
     return end >= 1.3 * start or (end >= 1.1 * start and before - after >= 0.02 and after <= 0.5 * before)
 
 
@@ -57,8 +69,9 @@ def decide(row, without=""):
     if not row.get("pieces"):
         return "unverified"
     odds = log_odds(row, without)
-    if without != "free space alone" and value(row, "conflict", "log_ratio") is not None:
-        return "inconsistent" if odds > SURE else "unverified"
+    alone = free_space(row, without)
+    if alone is not None:
+        return "inconsistent" if alone > SURE else "unverified"
     if value(row, "displacement") is None or doubts(row) - {without}:
         return "unverified"
     hidden = "could hide" in row["reason"]  # by a direction that nothing fixes
