@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <array>
 #include <functional>
+#include <numeric>
 #include <optional>
 #include <span>
 #include <string>
@@ -54,19 +55,13 @@ struct Scene {
   }
 };
 
-std::string distances(const std::vector<Eigen::Vector3d>& points_m,
-                      const std::function<std::optional<kilter::NearestVoxel>(std::size_t)>& near) {
+std::string distances(std::size_t asked, const std::function<void(std::vector<kilter::NearestVoxel>&)>& search) {
+  std::vector<kilter::NearestVoxel> found(asked);
+  kilter_counted([&] { search(found); });
+  std::erase_if(found, [](const kilter::NearestVoxel& each) { return each.voxel == kilter::kNoVoxel; });
   double sum_m = 0.0;
-  std::size_t found = 0;
-  kilter_counted([&] {
-    for (std::size_t i = 0; i < points_m.size(); ++i) {
-      const auto nearest = near(i);
-      if (!nearest) continue;
-      sum_m += nearest->distance_m;
-      ++found;
-    }
-  });
-  return fmt::format("{} of {} points, {:.6f} m together", found, points_m.size(), sum_m);
+  for (const kilter::NearestVoxel& each : found) sum_m += each.distance_m;
+  return fmt::format("{} of {} points, {:.6f} m together", found.size(), asked, sum_m);
 }
 
 // One pose, the statistic's search.
@@ -74,16 +69,26 @@ std::string exact_search(VectorPath path) {
   const Scene scene(path);
   const std::vector<Eigen::Vector3d> points_m = scene.points_target_m();
   kilter::NearestVoxelCursor cursor(scene.target);
-  return distances(points_m, [&](std::size_t i) { return cursor.nearest(points_m[i], kReach_m); });
+  return distances(points_m.size(), [&](std::vector<kilter::NearestVoxel>& found) {
+    std::transform(points_m.begin(), points_m.end(), found.begin(), [&](const Eigen::Vector3d& at_m) {
+      return cursor.nearest(at_m, kReach_m).value_or(kilter::NearestVoxel{kilter::kNoVoxel, 0.0});
+    });
+  });
 }
 
 // Registration's search, once the field is there.
 std::string field_look_up(VectorPath path) {
   const Scene scene(path);
   const std::vector<Eigen::Vector3d> points_m = scene.points_target_m();
+  std::vector<std::uint32_t> numbers(points_m.size());
+  std::iota(numbers.begin(), numbers.end(), 0U);
   kilter::RepeatedSearch search(scene.target, points_m.size());
-  for (std::size_t i = 0; i < points_m.size(); ++i) static_cast<void>(search.near(i, points_m[i], kReach_m));
-  return distances(points_m, [&](std::size_t i) { return search.near(i, points_m[i], kReach_m); });
+  const auto look_up = [&](std::vector<kilter::NearestVoxel>& found) {
+    search.near(numbers, points_m, kReach_m, found);
+  };
+  std::vector<kilter::NearestVoxel> first(points_m.size());
+  look_up(first);
+  return distances(points_m.size(), look_up);
 }
 
 std::string ray_integration(VectorPath path) {

@@ -241,13 +241,7 @@ RepeatedSearch::RepeatedSearch(const NearestVoxelSearch& search, std::size_t poi
   if (exact()) last_.assign(points, kNoVoxel);
 }
 
-std::optional<NearestVoxel> RepeatedSearch::near(std::size_t i, const Eigen::Vector3d& point_m, double limit_m) {
-  NearestVoxel found;
-  near(i, 1, {&point_m, 1}, limit_m, {&found, 1});
-  return found.voxel == kNoVoxel ? std::nullopt : std::optional(found);
-}
-
-void RepeatedSearch::near(std::size_t first, std::size_t stride, std::span<const Eigen::Vector3d> at_m, double limit_m,
+void RepeatedSearch::near(std::span<const std::uint32_t> points, std::span<const Eigen::Vector3d> at_m, double limit_m,
                           std::span<NearestVoxel> found) {
   KILTER_EXPECTS(limit_m <= search().max_distance_m() * (1.0 + 1e-12));
   if (!exact()) {
@@ -258,7 +252,7 @@ void RepeatedSearch::near(std::size_t first, std::size_t stride, std::span<const
     return;
   }
   for (std::size_t k = 0; k < at_m.size(); ++k) {
-    std::uint32_t& last = last_[first + k * stride];
+    std::uint32_t& last = last_[points[k]];
     const std::optional<NearestVoxel> nearest = cursor_.nearest(at_m[k], limit_m, last);
     if (nearest) last = nearest->voxel;
     found[k] = nearest.value_or(NearestVoxel{kNoVoxel, 0.0});

@@ -143,13 +143,10 @@ class RepeatedSearch {
   /// \param points  how many points will ask. The search must outlive it.
   RepeatedSearch(const NearestVoxelSearch& search, std::size_t points);
 
-  /// A voxel no farther than `limit_m` (<= the search's max_distance_m) from point number i, which now is at point_m in
-  /// the map's frame: the nearest one, or by the field one that is not much farther.
-  [[nodiscard]] std::optional<NearestVoxel> near(std::size_t i, const Eigen::Vector3d& point_m, double limit_m);
-
-  /// The same for points number first, first + stride, ... at once: `found[k]` is what lies near at_m[k], its voxel
-  /// kNoVoxel where nothing does. Memory is waited for once, not point by point.
-  void near(std::size_t first, std::size_t stride, std::span<const Eigen::Vector3d> at_m, double limit_m,
+  /// For each of the points number points[k], which now are at at_m[k] in the map's frame, a voxel no farther than
+  /// `limit_m` (<= the search's max_distance_m): the nearest one, or by the field one that is not much farther. Goes to
+  /// found[k], with kNoVoxel where nothing is near. Many at once wait for memory once, not point by point.
+  void near(std::span<const std::uint32_t> points, std::span<const Eigen::Vector3d> at_m, double limit_m,
             std::span<NearestVoxel> found);
 
   /// Whether answers are those of NearestVoxelSearch::nearest.

@@ -89,6 +89,13 @@ TEST(NearestVoxelSearch, EmptyMapHasNoNearest) {
   EXPECT_FALSE(NearestVoxelSearch(map, VoxelPosition::kCentre, 1.0).nearest({0, 0, 0}, 1.0).has_value());
 }
 
+std::optional<NearestVoxel> near_one(RepeatedSearch& search, std::uint32_t point, const Eigen::Vector3d& at_m,
+                                     double limit_m) {
+  NearestVoxel found;
+  search.near({&point, 1}, {&at_m, 1}, limit_m, {&found, 1});
+  return found.voxel == kNoVoxel ? std::nullopt : std::optional(found);
+}
+
 TEST(RepeatedSearch, TakesTheFieldsWordWithinTheLimit) {
   const VoxelMap map = random_map(0.1, 3000, 4.0);
   const NearestVoxelSearch search(map, VoxelPosition::kCentroid, 1.0);
@@ -100,7 +107,7 @@ TEST(RepeatedSearch, TakesTheFieldsWordWithinTheLimit) {
     const Eigen::Vector3d at(rng.uniform(-5, 5), rng.uniform(-5, 5), rng.uniform(-2, 2));
     const double limit_m = rng.uniform(0.05, 1.0);
     const std::uint32_t voxel = search.field()->near(at);
-    const auto near = repeated.near(0, at, limit_m);
+    const auto near = near_one(repeated, 0, at, limit_m);
     const bool within =
         voxel != kNoVoxel && (voxel_position_m(map, voxel, VoxelPosition::kCentroid) - at).norm() <= limit_m;
     ASSERT_EQ(near.has_value(), within);
@@ -110,6 +117,29 @@ TEST(RepeatedSearch, TakesTheFieldsWordWithinTheLimit) {
     EXPECT_EQ(near->distance_m, (voxel_position_m(map, voxel, VoxelPosition::kCentroid) - at).norm());
   }
   EXPECT_GT(found, 300);
+}
+
+TEST(RepeatedSearch, ManyAtOnceAreAsEachAlone) {
+  const VoxelMap map = random_map(0.1, 3000, 4.0);
+  const NearestVoxelSearch search(map, VoxelPosition::kCentroid, 1.0);
+  RepeatedSearch repeated(search, 1);
+  Rng rng(5, 3);
+  std::vector<Eigen::Vector3d> at_m;
+  for (int k = 0; k < 301; ++k) at_m.emplace_back(rng.uniform(-5, 5), rng.uniform(-5, 5), rng.uniform(-2, 2));
+  const std::vector<std::uint32_t> numbers(at_m.size(), 0);
+  std::vector<NearestVoxel> found(at_m.size());
+  repeated.near(numbers, at_m, 0.4, found);
+  std::size_t none = 0;
+  for (std::size_t k = 0; k < at_m.size(); ++k) {
+    const auto alone = near_one(repeated, 0, at_m[k], 0.4);
+    ASSERT_EQ(found[k].voxel, alone ? alone->voxel : kNoVoxel);
+    if (alone) {
+      EXPECT_EQ(found[k].distance_m, alone->distance_m);
+    }
+    none += alone ? 0U : 1U;
+  }
+  EXPECT_GT(none, 30U);
+  EXPECT_LT(none, 270U);
 }
 
 TEST(NearestVoxelSearch, CountsWhatItsFieldHoldsByNow) {
@@ -129,10 +159,10 @@ TEST(RepeatedSearch, IsExactWhereTheFieldWouldBeTooLarge) {
   ASSERT_TRUE(repeated.exact());
   EXPECT_EQ(search.field(), nullptr);
   Rng rng(5, 2);
-  for (std::size_t k = 0; k < 500; ++k) {
+  for (std::uint32_t k = 0; k < 500; ++k) {
     const Eigen::Vector3d at(rng.uniform(-8, 8), rng.uniform(-8, 8), rng.uniform(-2, 2));
     const auto nearest = search.nearest(at, 5.0);
-    const auto near = repeated.near(k % 10, at, 5.0);
+    const auto near = near_one(repeated, k % 10, at, 5.0);
     ASSERT_EQ(near.has_value(), nearest.has_value());
     if (near) {
       EXPECT_EQ(near->voxel, nearest->voxel);

@@ -22,15 +22,19 @@ void match_one_way(const VoxelMap& from, RepeatedSearch& in_onto, const Pose3& T
   const bool oriented = from.has_free_space() && onto.has_free_space();
   const Eigen::Isometry3d T = T_onto_from.isometry();
   constexpr std::size_t kBatch = 64;
+  std::array<std::uint32_t, kBatch> numbers;
   std::array<Eigen::Vector3d, kBatch> at_m;
   std::array<NearestVoxel, kBatch> near;
   const std::size_t asking = (points.size() + stride - 1) / stride;
   for (std::size_t first = 0; first < asking; first += kBatch) {
     const std::size_t count = std::min(kBatch, asking - first);
-    for (std::size_t k = 0; k < count; ++k) at_m[k] = T * points.centroids_m[(first + k) * stride].cast<double>();
-    in_onto.near(first * stride, stride, std::span(at_m).first(count), search_m, near);
     for (std::size_t k = 0; k < count; ++k) {
-      const std::size_t i = (first + k) * stride;
+      numbers[k] = static_cast<std::uint32_t>((first + k) * stride);
+      at_m[k] = T * points.centroids_m[numbers[k]].cast<double>();
+    }
+    in_onto.near(numbers, std::span(at_m).first(count), search_m, near);
+    for (std::size_t k = 0; k < count; ++k) {
+      const std::uint32_t i = numbers[k];
       const std::uint32_t plane = near[k].voxel;
       if (plane == kNoVoxel) continue;
       const Eigen::Vector3d normal = planes.normals[plane].cast<double>();

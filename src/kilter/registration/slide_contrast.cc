@@ -57,14 +57,19 @@ Fit fit_of(const FacingPoints& points, RepeatedSearch& in_onto, const Pose3& T_o
   const bool oriented = points.map.has_free_space() && onto.map().has_free_space();
   const Eigen::Isometry3d T = T_onto_points.isometry();
   Fit fit;
-  for (const std::uint32_t i : points.voxels) {
-    const Eigen::Vector3d point_m = T * points.map.voxels().centroids_m[i].cast<double>();
-    const auto nearest = in_onto.near(i, point_m, search_m);
-    if (!nearest) continue;
-    const Eigen::Vector3d normal = planes.normals[nearest->voxel].cast<double>();
+  std::vector<Eigen::Vector3d> at_m(points.voxels.size());
+  std::transform(points.voxels.begin(), points.voxels.end(), at_m.begin(),
+                 [&](std::uint32_t i) { return T * points.map.voxels().centroids_m[i].cast<double>(); });
+  std::vector<NearestVoxel> near(at_m.size());
+  in_onto.near(points.voxels, at_m, search_m, near);
+  for (std::size_t k = 0; k < near.size(); ++k) {
+    const std::uint32_t plane = near[k].voxel;
+    if (plane == kNoVoxel) continue;
+    const Eigen::Vector3d normal = planes.normals[plane].cast<double>();
     if (normal.isZero()) continue;
-    if (!normals_agree(T.linear() * points.map.voxels().normals[i].cast<double>(), normal, oriented)) continue;
-    const double residual_m = normal.dot(point_m - planes.centroids_m[nearest->voxel].cast<double>());
+    const Eigen::Vector3d own = T.linear() * points.map.voxels().normals[points.voxels[k]].cast<double>();
+    if (!normals_agree(own, normal, oriented)) continue;
+    const double residual_m = normal.dot(at_m[k] - planes.centroids_m[plane].cast<double>());
     fit.met += 1.0;
     fit.fitting += std::abs(residual_m) < kPlaneSupportVoxels * resolution_m ? 1.0 : 0.0;
   }
