@@ -155,6 +155,21 @@ def verdict_table(answers):
                  "error p50 cm", "p90 cm", "> 0.3 m", "faults"], table)
 
 
+def constraint_table(answers):
+    """Registrations that check hands on as constraints: of decided pairs whose submaps are not bent beyond the tolerance."""
+    table = []
+    for name, some in [*by_group(answers).items(), ("all", answers)]:
+        rows = [r for r in rows_of(some) if r.get("error_m") is not None and r["verdict"] != "unverified"
+                and not r["by_free_space"] and (r["pieces"].get("bend_m", {}).get("value") or 0.0) <= TOLERANCE_M]
+        line = [name]
+        for kept in (rows, [r for r in rows if r["fixed"]]):
+            errors = np.array([r["error_m"] for r in kept])
+            quantiles = np.percentile(errors, [50, 90]) * 100 if len(errors) else [float("nan")] * 2
+            line += [len(errors), number(quantiles[0], 1), number(quantiles[1], 1), int((errors > 0.3).sum())]
+        table.append(line)
+    print_table(["world", "constraints", "p50 cm", "p90 cm", "> 0.3 m", "pose fixed", "p50 cm", "p90 cm", "> 0.3 m"], table)
+
+
 def area_table(answers):
     groups = by_group(answers)
     told = [name for name, some in groups.items() if np.isfinite(area_of(some, published))]
@@ -284,6 +299,7 @@ def seconds_line(answers):
 def drift(answers):
     configurations(answers)
     verdict_table(answers)
+    constraint_table(answers)
     area_table(answers)
     discovery_table(answers)
     set_shares_table(answers)
