@@ -26,7 +26,7 @@ def free_space(row, without):
     said = value(row, "conflict", "log_ratio")
     if said is None or without == "free space alone":
         return None
-    mended = value(row, "conflict") - value(row, "conflict", "null") < WHATEVER_IT_IS
+    mended = value(row, "conflict") - (value(row, "conflict", "null") or 0.0) < WHATEVER_IT_IS
     return None if mended and without == "conflict that a motion mends" else said
 
 
