@@ -42,13 +42,6 @@ ConflictCount count_conflict(const VoxelMap& surface, NearestVoxelCursor& space,
 
 }  // namespace
 
-ConflictSample measure_conflict(const NearestVoxelSearch& source, const NearestVoxelSearch& target,
-                                const Pose3& T_target_source, double margin_m, std::size_t stride) {
-  NearestVoxelCursor in_source(source);
-  NearestVoxelCursor in_target(target);
-  return measure_conflict(in_source, in_target, T_target_source, margin_m, stride);
-}
-
 ConflictSample measure_conflict(NearestVoxelCursor& source, NearestVoxelCursor& target, const Pose3& T_target_source,
                                 double margin_m, std::size_t stride) {
   return {count_conflict(source.map(), target, T_target_source, margin_m, stride),

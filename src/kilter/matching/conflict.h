@@ -44,7 +44,5 @@ struct ConflictSample {
 /// a hit. Every `stride`-th voxel of each is looked at; counts are of those. O(voxels / stride).
 [[nodiscard]] ConflictSample measure_conflict(NearestVoxelCursor& source, NearestVoxelCursor& target,
                                               const Pose3& T_target_source, double margin_m, std::size_t stride = 1);
-[[nodiscard]] ConflictSample measure_conflict(const NearestVoxelSearch& source, const NearestVoxelSearch& target,
-                                              const Pose3& T_target_source, double margin_m, std::size_t stride = 1);
 
 }  // namespace kilter

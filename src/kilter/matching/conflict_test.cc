@@ -24,7 +24,11 @@ VoxelMap wall_at(double x_m, bool with_rays) {
 }
 
 ConflictSample conflict(const VoxelMap& source, const VoxelMap& target, const Pose3& T) {
-  return measure_conflict({source, VoxelPosition::kCentroid, 1.0}, {target, VoxelPosition::kCentroid, 1.0}, T, 0.2);
+  const NearestVoxelSearch source_search(source, VoxelPosition::kCentroid, 1.0);
+  const NearestVoxelSearch target_search(target, VoxelPosition::kCentroid, 1.0);
+  NearestVoxelCursor in_source(source_search);
+  NearestVoxelCursor in_target(target_search);
+  return measure_conflict(in_source, in_target, T, 0.2);
 }
 
 TEST(MeasureConflict, AgreeingWallsHaveNone) {

@@ -32,12 +32,6 @@ Eigen::AlignedBox3d widened_box(const VoxelMap& map, double by_m) {
 
 }  // namespace
 
-DistanceSample measure_distances(const VoxelMap& source, const NearestVoxelSearch& target, const Pose3& T_target_source,
-                                 const MatchingOptions& options) {
-  NearestVoxelCursor cursor(target);
-  return measure_distances(source, cursor, T_target_source, options);
-}
-
 DistanceSample measure_distances(const VoxelMap& source, NearestVoxelCursor& target, const Pose3& T_target_source,
                                  const MatchingOptions& options) {
   DistanceSample sample;

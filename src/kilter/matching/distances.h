@@ -45,8 +45,6 @@ struct DistanceSample {
 /// \param target  of the map that is looked in; a cursor that is kept while poses of a pair change saves work.
 [[nodiscard]] DistanceSample measure_distances(const VoxelMap& source, NearestVoxelCursor& target,
                                                const Pose3& T_target_source, const MatchingOptions& options);
-[[nodiscard]] DistanceSample measure_distances(const VoxelMap& source, const NearestVoxelSearch& target,
-                                               const Pose3& T_target_source, const MatchingOptions& options);
 
 /// What measure_distances would find, guessed from at most `max_samples` evenly picked source voxels; scaled up.
 struct OverlapEstimate {

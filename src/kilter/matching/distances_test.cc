@@ -19,9 +19,15 @@ VoxelMap line_map(int count, double slope) {
   return builder.finish();
 }
 
+DistanceSample measure(const VoxelMap& source, const NearestVoxelSearch& target, const Pose3& T_target_source,
+                       const MatchingOptions& options) {
+  NearestVoxelCursor cursor(target);
+  return measure_distances(source, cursor, T_target_source, options);
+}
+
 TEST(MeasureDistances, IdenticalSubmapsAreAtZero) {
   const VoxelMap map = line_map(300, 0.0);
-  const DistanceSample sample = measure_distances(map, {map, VoxelPosition::kCentre, 1.0}, {}, {});
+  const DistanceSample sample = measure(map, {map, VoxelPosition::kCentre, 1.0}, {}, {});
   EXPECT_EQ(sample.matched(), 300U);
   EXPECT_EQ(sample.overlap(), 1.0);
   for (const double d : sample.distances_m) EXPECT_NEAR(d, 0.0, 1e-12);
@@ -30,16 +36,16 @@ TEST(MeasureDistances, IdenticalSubmapsAreAtZero) {
 TEST(MeasureDistances, AParallelShiftIsEveryVoxelsDistance) {
   const VoxelMap map = line_map(300, 0.0);
   const DistanceSample sample =
-      measure_distances(map, {map, VoxelPosition::kCentre, 1.0}, Pose3::from_translation(0.0, 0.3, 0.0), {});
+      measure(map, {map, VoxelPosition::kCentre, 1.0}, Pose3::from_translation(0.0, 0.3, 0.0), {});
   for (const double d : sample.distances_m) EXPECT_NEAR(d, 0.3, 1e-12);
 }
 
 TEST(MeasureDistances, BeyondTheSearchDistanceNothingMatches) {
   const VoxelMap map = line_map(300, 0.0);
   const NearestVoxelSearch search(map, VoxelPosition::kCentre, 1.0);
-  const DistanceSample near = measure_distances(map, search, Pose3::from_translation(0.0, 0.95, 0.0), {});
+  const DistanceSample near = measure(map, search, Pose3::from_translation(0.0, 0.95, 0.0), {});
   EXPECT_EQ(near.matched(), 300U);
-  const DistanceSample beyond = measure_distances(map, search, Pose3::from_translation(0.0, 1.05, 0.0), {});
+  const DistanceSample beyond = measure(map, search, Pose3::from_translation(0.0, 1.05, 0.0), {});
   EXPECT_EQ(beyond.matched(), 0U);
   EXPECT_EQ(beyond.overlap(), 0.0);
   EXPECT_FALSE(beyond.passes_gate({}));
@@ -55,10 +61,10 @@ TEST(MeasureDistances, OccupancyTermIsScaledByItsWeight) {
   const VoxelMap target = often.finish();
   const VoxelMap source = once.finish();
   const NearestVoxelSearch search(target, VoxelPosition::kCentre, 1.0);
-  const DistanceSample literal = measure_distances(source, search, {}, {.occupancy_weight_m = 1.0});
+  const DistanceSample literal = measure(source, search, {}, {.occupancy_weight_m = 1.0});
   ASSERT_EQ(literal.matched(), 2U);
   EXPECT_NEAR(literal.distances_m[0], 0.971 - 0.7, 1e-5);
-  const DistanceSample none = measure_distances(source, search, {}, {.occupancy_weight_m = 0.0});
+  const DistanceSample none = measure(source, search, {}, {.occupancy_weight_m = 0.0});
   EXPECT_NEAR(none.distances_m[0], 0.0, 1e-12);
   EXPECT_NEAR(literal.mean_occupancy_m, 0.271, 1e-5);
 }
@@ -66,15 +72,15 @@ TEST(MeasureDistances, OccupancyTermIsScaledByItsWeight) {
 TEST(MeasureDistances, EmptySubmapsGiveAnEmptySample) {
   const VoxelMap empty = MapBuilder({.resolution_m = 0.1}).finish();
   const VoxelMap line = line_map(10, 0.0);
-  EXPECT_EQ(measure_distances(empty, {line, VoxelPosition::kCentre, 1.0}, {}, {}).matched(), 0U);
-  EXPECT_EQ(measure_distances(line, {empty, VoxelPosition::kCentre, 1.0}, {}, {}).matched(), 0U);
+  EXPECT_EQ(measure(empty, {line, VoxelPosition::kCentre, 1.0}, {}, {}).matched(), 0U);
+  EXPECT_EQ(measure(line, {empty, VoxelPosition::kCentre, 1.0}, {}, {}).matched(), 0U);
 }
 
 TEST(EstimateOverlap, GuessesWhatMeasuringFinds) {
   const VoxelMap line = line_map(3000, 0.0);
   const VoxelMap shorter = line_map(1200, 0.0);
   const NearestVoxelSearch search(shorter, VoxelPosition::kCentre, 1.0);
-  const DistanceSample exact = measure_distances(line, search, {}, {});
+  const DistanceSample exact = measure(line, search, {}, {});
   NearestVoxelCursor cursor(search);
   const OverlapEstimate guess = estimate_overlap(line, cursor, {}, {}, 500);
   EXPECT_NEAR(guess.matched, static_cast<double>(exact.matched()), 0.05 * static_cast<double>(exact.matched()));
@@ -88,7 +94,7 @@ TEST(MeasureDistances, LinesThatMeetAtAnAngleGiveUniformDistances) {
   const VoxelMap source = line_map(100, 0.1);
   MatchingOptions options;
   options.position = VoxelPosition::kCentroid;
-  const DistanceSample sample = measure_distances(source, {target, VoxelPosition::kCentroid, 1.0}, {}, options);
+  const DistanceSample sample = measure(source, {target, VoxelPosition::kCentroid, 1.0}, {}, options);
   ASSERT_EQ(sample.matched(), source.voxels().size());
   const double n = static_cast<double>(sample.matched());
   const double mean = std::accumulate(sample.distances_m.begin(), sample.distances_m.end(), 0.0) / n;

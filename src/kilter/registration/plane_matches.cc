@@ -13,38 +13,10 @@ namespace {
 
 constexpr double kLeastAgreement = 0.6;  // cosine between normals of matched voxels
 
-// Points of `from` against the planes of `onto`, in the frame of `onto`.
-void match_one_way(const VoxelMap& from, RepeatedSearch& in_onto, const Pose3& T_onto_from, double search_m,
-                   std::size_t stride, std::vector<PlaneResidual>& residuals) {
-  const VoxelMap& onto = in_onto.search().map();
-  const SurfaceVoxels& points = from.voxels();
-  const SurfaceVoxels& planes = onto.voxels();
-  const bool oriented = from.has_free_space() && onto.has_free_space();
-  const Eigen::Isometry3d T = T_onto_from.isometry();
-  constexpr std::size_t kBatch = 64;
-  std::array<std::uint32_t, kBatch> numbers;
-  std::array<Eigen::Vector3d, kBatch> at_m;
-  std::array<NearestVoxel, kBatch> near;
-  const std::size_t asking = (points.size() + stride - 1) / stride;
-  for (std::size_t first = 0; first < asking; first += kBatch) {
-    const std::size_t count = std::min(kBatch, asking - first);
-    for (std::size_t k = 0; k < count; ++k) {
-      numbers[k] = static_cast<std::uint32_t>((first + k) * stride);
-      at_m[k] = T * points.centroids_m[numbers[k]].cast<double>();
-    }
-    in_onto.near(numbers, std::span(at_m).first(count), search_m, near);
-    for (std::size_t k = 0; k < count; ++k) {
-      const std::uint32_t i = numbers[k];
-      const std::uint32_t plane = near[k].voxel;
-      if (plane == kNoVoxel) continue;
-      const Eigen::Vector3d normal = planes.normals[plane].cast<double>();
-      if (normal.isZero()) continue;
-      if (!normals_agree(T.linear() * points.normals[i].cast<double>(), normal, oriented)) continue;
-      const double residual_m = normal.dot(at_m[k] - planes.centroids_m[plane].cast<double>());
-      residuals.push_back({at_m[k], normal, residual_m, static_cast<double>(planes.planarity[plane]), points.seen_at[i],
-                           planes.seen_at[plane]});
-    }
-  }
+std::vector<std::uint32_t> every(std::size_t stride, std::size_t count) {
+  std::vector<std::uint32_t> numbers((count + stride - 1) / stride);
+  for (std::size_t k = 0; k < numbers.size(); ++k) numbers[k] = static_cast<std::uint32_t>(k * stride);
+  return numbers;
 }
 
 // Both ways, so that it does not matter which of the two is called the source. A target point q lies off a source
@@ -59,9 +31,11 @@ std::vector<PlaneResidual> match_both_ways(PlanePair& pair, const Pose3& T_targe
   std::vector<PlaneResidual> residuals;
   residuals.reserve(pair.source_map().voxels().size() / strides.source +
                     pair.target_map().voxels().size() / strides.target + 2);
-  match_one_way(pair.source_map(), pair.in_target, T_target_source, search_m, strides.source, residuals);
+  match_voxels(pair.source_map(), every(strides.source, pair.source_map().voxels().size()), pair.in_target,
+               T_target_source, search_m, residuals);
   const std::size_t forward = residuals.size();
-  match_one_way(pair.target_map(), pair.in_source, T_target_source.inverse(), search_m, strides.target, residuals);
+  match_voxels(pair.target_map(), every(strides.target, pair.target_map().voxels().size()), pair.in_source,
+               T_target_source.inverse(), search_m, residuals);
   const Eigen::Isometry3d T = T_target_source.isometry();
   for (std::size_t i = forward; i < residuals.size(); ++i) {
     residuals[i].point_m = T * residuals[i].point_m;
@@ -86,6 +60,34 @@ bool normals_agree(const Eigen::Vector3d& a, const Eigen::Vector3d& b, bool orie
   if (a.isZero() || b.isZero()) return true;
   const double cosine = a.dot(b);
   return (oriented ? cosine : std::abs(cosine)) >= kLeastAgreement;
+}
+
+void match_voxels(const VoxelMap& from, std::span<const std::uint32_t> voxels, RepeatedSearch& in_onto,
+                  const Pose3& T_onto_from, double search_m, std::vector<PlaneResidual>& residuals) {
+  const VoxelMap& onto = in_onto.search().map();
+  const SurfaceVoxels& points = from.voxels();
+  const SurfaceVoxels& planes = onto.voxels();
+  const bool oriented = from.has_free_space() && onto.has_free_space();
+  const Eigen::Isometry3d T = T_onto_from.isometry();
+  constexpr std::size_t kBatch = 64;
+  std::array<Eigen::Vector3d, kBatch> at_m;
+  std::array<NearestVoxel, kBatch> near;
+  for (std::size_t first = 0; first < voxels.size(); first += kBatch) {
+    const auto batch = voxels.subspan(first, std::min(kBatch, voxels.size() - first));
+    for (std::size_t k = 0; k < batch.size(); ++k) at_m[k] = T * points.centroids_m[batch[k]].cast<double>();
+    in_onto.near(batch, std::span(at_m).first(batch.size()), search_m, near);
+    for (std::size_t k = 0; k < batch.size(); ++k) {
+      const std::uint32_t i = batch[k];
+      const std::uint32_t plane = near[k].voxel;
+      if (plane == kNoVoxel) continue;
+      const Eigen::Vector3d normal = planes.normals[plane].cast<double>();
+      if (normal.isZero()) continue;
+      if (!normals_agree(T.linear() * points.normals[i].cast<double>(), normal, oriented)) continue;
+      const double residual_m = normal.dot(at_m[k] - planes.centroids_m[plane].cast<double>());
+      residuals.push_back({at_m[k], normal, residual_m, static_cast<double>(planes.planarity[plane]), points.seen_at[i],
+                           planes.seen_at[plane]});
+    }
+  }
 }
 
 std::vector<PlaneResidual> match_planes(PlanePair& pair, const Pose3& T_target_source, double search_m,

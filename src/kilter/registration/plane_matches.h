@@ -3,6 +3,8 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <span>
 #include <vector>
 
 #include "kilter/matching/nearest_voxel.h"
@@ -25,6 +27,11 @@ inline constexpr std::size_t kAllPoints = 1U << 31;
 
 /// A point this near the plane of an agreeing voxel fits. [voxels]
 inline constexpr double kPlaneSupportVoxels = 0.25;
+
+/// Centroids of these voxels of `from` against the planes of `onto` near them, at most `search_m` away, whose normals
+/// agree; appended, in the frame of `onto`. Weights are the planes' planarity.
+void match_voxels(const VoxelMap& from, std::span<const std::uint32_t> voxels, RepeatedSearch& in_onto,
+                  const Pose3& T_onto_from, double search_m, std::vector<PlaneResidual>& residuals);
 
 /// Centroids of about `max_points` voxels of each submap against the planes through the other's near them (the nearest,
 /// or what RepeatedSearch takes for it), at most `search_m` away, normals within 53 degrees; both ways, so that it does

@@ -53,27 +53,10 @@ Fit fit_of(const FacingPoints& points, RepeatedSearch& in_onto, const Pose3& T_o
   const NearestVoxelSearch& onto = in_onto.search();
   const double resolution_m = onto.map().resolution_m();
   const double search_m = std::min(kSearchVoxels * resolution_m, onto.max_distance_m());
-  const SurfaceVoxels& planes = onto.map().voxels();
-  const bool oriented = points.map.has_free_space() && onto.map().has_free_space();
-  const Eigen::Isometry3d T = T_onto_points.isometry();
-  Fit fit;
-  std::vector<Eigen::Vector3d> at_m(points.voxels.size());
-  std::transform(points.voxels.begin(), points.voxels.end(), at_m.begin(),
-                 [&](std::uint32_t i) { return T * points.map.voxels().centroids_m[i].cast<double>(); });
-  std::vector<NearestVoxel> near(at_m.size());
-  in_onto.near(points.voxels, at_m, search_m, near);
-  for (std::size_t k = 0; k < near.size(); ++k) {
-    const std::uint32_t plane = near[k].voxel;
-    if (plane == kNoVoxel) continue;
-    const Eigen::Vector3d normal = planes.normals[plane].cast<double>();
-    if (normal.isZero()) continue;
-    const Eigen::Vector3d own = T.linear() * points.map.voxels().normals[points.voxels[k]].cast<double>();
-    if (!normals_agree(own, normal, oriented)) continue;
-    const double residual_m = normal.dot(at_m[k] - planes.centroids_m[plane].cast<double>());
-    fit.met += 1.0;
-    fit.fitting += std::abs(residual_m) < kPlaneSupportVoxels * resolution_m ? 1.0 : 0.0;
-  }
-  return fit;
+  std::vector<PlaneResidual> met;
+  match_voxels(points.map, points.voxels, in_onto, T_onto_points, search_m, met);
+  const auto fits = [&](const PlaneResidual& r) { return std::abs(r.residual_m) < kPlaneSupportVoxels * resolution_m; };
+  return {static_cast<double>(std::count_if(met.begin(), met.end(), fits)), static_cast<double>(met.size())};
 }
 
 }  // namespace

@@ -32,6 +32,7 @@ constexpr double kLeastGain = 1.3;
 // this much of what both saw no longer conflicts, and at most half of the conflict is left.
 constexpr double kLeastGainWithFreeSpace = 1.1;
 constexpr double kLeastConflictGone = 0.02;
+constexpr double kConflictLeft = 0.5;
 // Surfaces that lie apart stand in space that the other submap saw through, so a move in the right direction makes
 // conflict vanish. Where it makes some instead, the storey above or the next aisle may be what fits: the gain has to be
 // overwhelming.
@@ -62,7 +63,7 @@ bool fit_improved(const PairEvidence& pair) {
   const double before = pair.map.conflict.share();
   const double after = pair.registered->conflict.share();
   if (after > before) return end >= kLeastGainAgainstFreeSpace * start;
-  const bool conflict_gone = before - after >= kLeastConflictGone && after <= 0.5 * before;
+  const bool conflict_gone = before - after >= kLeastConflictGone && after <= kConflictLeft * before;
   return end >= kLeastGain * start || (end >= kLeastGainWithFreeSpace * start && conflict_gone);
 }
 
@@ -195,7 +196,7 @@ bool conflict_is_mended(const PairEvidence& pair) {
   if (!pair.registered) return false;
   const PoseEvidence& after = *pair.registered;
   const auto kept = [](double before, double now) { return now >= kOverlapKept * before; };
-  return after.conflict.share() <= 0.5 * pair.map.conflict.share() && kept(pair.map.overlap, after.overlap) &&
+  return after.conflict.share() <= kConflictLeft * pair.map.conflict.share() && kept(pair.map.overlap, after.overlap) &&
          kept(static_cast<double>(pair.map.conflict.known()), static_cast<double>(after.conflict.known())) &&
          static_cast<double>(pair.registration->support_end) >=
              kLeastGainWithFreeSpace * static_cast<double>(pair.registration->support_start);
