@@ -147,6 +147,15 @@ Vector6 free_motion(const Pose3& start, const Pose3& T, const Look& look) {
   return look.equations.unscale * (free * (free.transpose() * look.equations.unscale.inverse() * motion));
 }
 
+// How many residuals are small and face the motion that takes their points by `moved_m(point)`.
+template <typename Motion>
+std::size_t count_facing(std::span<const PlaneResidual> residuals, double limit_m, const Motion& moved_m) {
+  return static_cast<std::size_t>(std::count_if(residuals.begin(), residuals.end(), [&](const PlaneResidual& r) {
+    const Eigen::Vector3d moved = moved_m(r.point_m);
+    return std::abs(r.residual_m) < limit_m && std::abs(r.direction.dot(moved)) >= kFacingCosine * moved.norm();
+  }));
+}
+
 // The descent looks at a part of the voxels; all of them tell better. \return the look at the pose that they end at.
 Look polish(PlanePair& pair, const RegistrationOptions& options, const HeldMotions& held, Pose3& T_target_source) {
   Look look = look_at(pair, T_target_source, options, held);
@@ -197,6 +206,20 @@ Look settle(PlanePair& pair, const Pose3& start, const RegistrationOptions& opti
   }
 }
 
+// Voxels that fit where the start has them, and where the end has them, of those that face the way between: floors fit
+// at every shift along them, walls at every height.
+void count_support(PlanePair& pair, const Pose3& start, const Pose3& end, double search_m,
+                   std::span<const PlaneResidual> at_end, RegistrationResult& result) {
+  const double near_m = kPlaneSupportVoxels * pair.target_map().resolution_m();
+  const Eigen::Isometry3d moved = (end * start.inverse()).isometry();
+  const Eigen::Isometry3d back = moved.inverse();
+  const std::vector<PlaneResidual> at_start = match_planes(pair, start, search_m, kAllPoints);
+  const auto from_start = [&](const Eigen::Vector3d& point_m) -> Eigen::Vector3d { return moved * point_m - point_m; };
+  const auto to_end = [&](const Eigen::Vector3d& point_m) -> Eigen::Vector3d { return point_m - back * point_m; };
+  result.support_start = count_facing(at_start, near_m, from_start);
+  result.support_end = count_facing(at_end, near_m, to_end);
+}
+
 // Judges where a descent ended on all voxels.
 RegistrationResult finish(PlanePair& pair, const Pose3& start, Descent descent, const RegistrationOptions& options,
                           const RegistrationPrior& prior) {
@@ -209,13 +232,11 @@ RegistrationResult finish(PlanePair& pair, const Pose3& start, Descent descent, 
   if (!descent.ended()) return result;
   const double resolution_m = pair.target_map().resolution_m();
   result.matches = look.residuals.size() / 2;
-  result.support_end = look.supporting;
-  result.support_start = count_below(match_planes(pair, start, final_search_m(pair.target_map(), options), kAllPoints),
-                                     kPlaneSupportVoxels * resolution_m);
-  if (look.residuals.empty() || result.support_end < 2 * static_cast<std::size_t>(options.min_matches)) {
+  if (look.residuals.empty() || look.supporting < 2 * static_cast<std::size_t>(options.min_matches)) {
     result.stop = StopReason::kTooFewMatches;
     return result;
   }
+  count_support(pair, start, descent.T, final_search_m(pair.target_map(), options), look.residuals, result);
   result.bend = measure_bend(match_planes(pair, descent.T, options.search_distance_m, kBendPoints), resolution_m,
                              options.search_distance_m);
   result.T_target_source = descent.T;

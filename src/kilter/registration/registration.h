@@ -60,8 +60,9 @@ struct RegistrationResult {
   int iterations = 0;
   std::size_t matches = 0;      ///< correspondences at the end, of all voxels (mean of both ways)
   double residual_rms_m = 0.0;  ///< robust-weighted, at the end. [m]
-  /// Correspondences within a quarter voxel of their plane (OICP: half a voxel of their point) at the start and at the
-  /// end: what the move has gained. Both ways, of all voxels.
+  /// Correspondences within a quarter voxel of their plane, of voxels that face the way from start to end (within 66
+  /// degrees), at the start and at the end: what the move has gained. OICP: all within half a voxel of their point.
+  /// Both ways.
   std::size_t support_start = 0;
   std::size_t support_end = 0;
   /// Row-major meaning: T_target_source * Exp(xi), xi = (x y z rx ry rz) in the source's frame. Directions that the

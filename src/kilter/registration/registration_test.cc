@@ -86,6 +86,17 @@ TEST(AlignSubmaps, HorizontalShiftsAreNotHiddenByTheFloor) {
   }
 }
 
+// Walls fit at every height, a floor at every shift along it: what the move gained shows in what faces it.
+TEST(AlignSubmaps, SupportCountsWhatFacesTheWayMoved) {
+  const SubmapPair pair = room_pair();
+  for (const auto& [x, y, z] : {std::tuple(0.0, 0.0, 0.1), std::tuple(0.1, 0.0, 0.0), std::tuple(0.06, -0.06, 0.05)}) {
+    const RegistrationResult result =
+        run(pair, pose_at(x, y, z, 0.0) * pair.T_target_source, RegistrationMethod::kPointToPlane);
+    ASSERT_TRUE(result.converged()) << to_string(result.stop);
+    EXPECT_GT(result.support_end, 3 * result.support_start) << x << " " << y << " " << z;
+  }
+}
+
 TEST(AlignSubmaps, CovarianceCoversTheErrorButIsNotVast) {
   const SubmapPair pair = room_pair();
   const RegistrationResult result = run(pair, pair.T_target_source, RegistrationMethod::kPointToPlane);

@@ -25,11 +25,13 @@ constexpr double kThetaSpreads = 3.0;
 constexpr double kThetaSlack = 0.3;
 // Only keeps numbers finite: log odds rank pairs whose probability has long come out as 1.
 constexpr double kMaxLogOdds = 1e6;
-// Registration always moves a little: a displacement counts only if this many times as many points support the new
-// pose (lie within a quarter voxel of the other submap's planes) as the map's.
+// Registration always moves a little: a displacement counts only if this many times as many voxels support the new
+// pose (face the way moved and lie within a quarter voxel of the other submap's planes) as the map's, and not by
+// chance.
 constexpr double kLeastGain = 1.3;
-// Where floor that fits at every shift is most of the scene, a smaller gain will do if free space agrees too: at least
-// this much of what both saw no longer conflicts, and at most half of the conflict is left.
+constexpr double kGainDeviations = 3.0;
+// A smaller gain will do if free space agrees too: at least this much of what both saw no longer conflicts, and at most
+// half of the conflict is left.
 constexpr double kLeastGainWithFreeSpace = 1.1;
 constexpr double kLeastConflictGone = 0.02;
 constexpr double kConflictLeft = 0.5;
@@ -57,14 +59,19 @@ double theta_limit(const MapNull& null) {
   return null.log10_theta - std::max(kThetaSpreads * null.log10_theta_spread, kThetaSlack);
 }
 
+// Support grew by this factor at least, and by more than two counts of such voxels may differ.
+bool support_grew(const RegistrationResult& registration, double factor) {
+  const auto start = static_cast<double>(registration.support_start);
+  const auto end = static_cast<double>(registration.support_end);
+  return end - factor * start >= kGainDeviations * std::sqrt(end + factor * factor * start);
+}
+
 bool fit_improved(const PairEvidence& pair) {
-  const auto start = static_cast<double>(pair.registration->support_start);
-  const auto end = static_cast<double>(pair.registration->support_end);
   const double before = pair.map.conflict.share();
   const double after = pair.registered->conflict.share();
-  if (after > before) return end >= kLeastGainAgainstFreeSpace * start;
+  if (after > before) return support_grew(*pair.registration, kLeastGainAgainstFreeSpace);
   const bool conflict_gone = before - after >= kLeastConflictGone && after <= kConflictLeft * before;
-  return end >= kLeastGain * start || (end >= kLeastGainWithFreeSpace * start && conflict_gone);
+  return support_grew(*pair.registration, conflict_gone ? kLeastGainWithFreeSpace : kLeastGain);
 }
 
 void note_measurements(const PairEvidence& pair, const MapNull& null, PairVerdict& verdict) {
@@ -198,8 +205,7 @@ bool conflict_is_mended(const PairEvidence& pair) {
   const auto kept = [](double before, double now) { return now >= kOverlapKept * before; };
   return after.conflict.share() <= kConflictLeft * pair.map.conflict.share() && kept(pair.map.overlap, after.overlap) &&
          kept(static_cast<double>(pair.map.conflict.known()), static_cast<double>(after.conflict.known())) &&
-         static_cast<double>(pair.registration->support_end) >=
-             kLeastGainWithFreeSpace * static_cast<double>(pair.registration->support_start);
+         support_grew(*pair.registration, kLeastGainWithFreeSpace);
 }
 
 // How much conflict a disagreement of the tolerance may make. A surface that stands where the other submap saw through

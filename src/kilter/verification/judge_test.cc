@@ -199,9 +199,20 @@ TEST(JudgePair, ConflictThatAMotionMendsIsNotOfThingsThatMoved) {
 
 TEST(JudgePair, ASmallGainCountsIfFreeSpaceAgrees) {
   PairEvidence pair = pair_moved(0.3, 0.01);
-  pair.registration->support_end = pair.registration->support_start * 6 / 5;
+  pair.registration->support_end = pair.registration->support_start * 5 / 4;
   EXPECT_EQ(verdict_of(pair), Verdict::kUnverified);
   pair.map.conflict = {{1000, 80}, {1000, 80}};
+  EXPECT_EQ(verdict_of(pair), Verdict::kInconsistent);
+}
+
+// Where few voxels face the way moved, a handful more is chance.
+TEST(JudgePair, AGainOfAHandfulIsChance) {
+  PairEvidence pair = pair_moved(0.3, 0.01);
+  pair.registration->support_start = 60;
+  pair.registration->support_end = 100;
+  EXPECT_EQ(verdict_of(pair), Verdict::kUnverified);
+  EXPECT_NE(judged(pair).verdict.reason.find("agrees no better"), std::string::npos) << judged(pair).verdict.reason;
+  pair.registration->support_end = 140;
   EXPECT_EQ(verdict_of(pair), Verdict::kInconsistent);
 }
 
