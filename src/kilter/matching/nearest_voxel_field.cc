@@ -255,7 +255,11 @@ const NearestVoxelField::Block& NearestVoxelField::build(const Eigen::Vector3i& 
 
 std::size_t NearestVoxelField::bytes() const {
   const std::lock_guard lock(building_);
-  return blocks_.size() * sizeof(Block);
+  constexpr std::size_t kOfAllocation = 16;
+  constexpr std::size_t kPage = 4096;
+  const std::size_t table = static_cast<std::size_t>(size_.cast<std::int64_t>().prod()) * sizeof(const Block*);
+  return std::min(table, kPage * (blocks_.size() + 1)) +
+         blocks_.size() * (sizeof(Block) + kOfAllocation + sizeof(blocks_.front()));
 }
 
 }  // namespace kilter

@@ -49,7 +49,7 @@ class NearestVoxelField {
     return &block->voxels[static_cast<std::size_t>(bit_of(cell))];
   }
 
-  /// Memory that blocks hold by now; depends on what was asked. [bytes]
+  /// Memory that blocks and the pages of their table hold by now; depends on what was asked. [bytes]
   [[nodiscard]] std::size_t bytes() const;
 
  private:

@@ -145,11 +145,13 @@ void SubmapStore::release(std::size_t number) {
 
 Expected<bool> SubmapStore::make_room(Lock& lock, std::size_t needed, std::span<const std::size_t> kept) {
   if (failure_) return pass_up(*failure_);
-  if (needed == 0 || fits(needed)) return true;
+  if (fits(needed)) return true;
   const auto victim =
       std::find_if(unused_.begin(), unused_.end(), [&](std::size_t number) { return !holds(kept, number); });
   if (victim != unused_.end()) {
     put_out(lock, *victim);
+  } else if (needed == 0) {
+    return true;  // what is over the limit is in use
   } else if (in_use_ > 0) {
     changed_.wait(lock);
   } else if (!unused_.empty()) {

@@ -74,6 +74,22 @@ TEST(SubmapStore, TheLeastRecentlyUsedGoesFirst) {
   EXPECT_EQ(spill.reads(), 1U);
 }
 
+// A search grows while it is asked. Where all submaps fit when they come, nobody comes for whom room had to be made.
+TEST(SubmapStore, WhatGrewBeyondTheLimitGoesOutWithoutAnyoneComing) {
+  MemorySpill spill;
+  SubmapStore store(3, {}, {size_of(0) + size_of(1) + size_of(2) + 3000, &spill});
+  fill(store, 3);
+  for (int i = 0; i < 3; ++i) {
+    const auto map = store.pin(SubmapId{i});
+    ASSERT_TRUE(map.has_value());
+    const NearestVoxelField* field = (*map)->by_centroid().field();
+    ASSERT_NE(field, nullptr);
+    for (int x = -8; x < 8; ++x) (void)field->near({0.1 * x, 1.0, 1.0});
+    ASSERT_GT((*map)->bytes(), size_of(i) + 3000);
+  }
+  EXPECT_GT(spill.written(), 0U);
+}
+
 // Room for one pair and a bit, eight threads that want one each: they take turns.
 TEST(SubmapStore, ManyThreadsGetAlongWithRoomForOnePair) {
   constexpr int kSubmaps = 9;
