@@ -3,8 +3,9 @@
 """What each piece of evidence is worth: pairs decided again from what result.json says of them, without one piece.
 
 The rules are those of docs/verdicts.md on one pair: `inconsistent` above 99 % (by free space alone: at p below 1 %),
-`consistent` below 5 %, and what makes the registration doubtful in between. Shares so differ a little from the program's, which holds false discoveries over the
-whole map and knows the spread behind each null; the table's first row shows how much.
+`consistent` below 5 %, and what makes the registration doubtful in between. Shares so differ a little from the program's,
+which holds false discoveries over the whole map and knows the spread behind each null; the table's first row shows how
+much.
 """
 import math
 
@@ -41,9 +42,9 @@ def log_odds(row, without=""):
 def support_grew(row):
     start, end = value(row, "support"), value(row, "support", "null")
     before, after = value(row, "conflict") or 0.0, value(row, "conflict_registered") or 0.0
-    if after > before:
-        return end >= 3.0 * start
-    return end >= 1.3 * start or (end >= 1.1 * start and before - after >= 0.02 and after <= 0.5 * before)
+    gone = before - after >= 0.02 and after <= 0.5 * before
+    factor = 3.0 if after > before else 1.1 if gone else 1.3
+    return end - factor * start >= 3.0 * math.sqrt(end + factor * factor * start)
 
 
 def doubts(row):
