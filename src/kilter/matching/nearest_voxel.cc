@@ -262,7 +262,7 @@ void RepeatedSearch::near(std::span<const std::uint32_t> points, std::span<const
 void RepeatedSearch::look_up(std::span<const Eigen::Vector3d> at_m, double limit_m,
                              std::span<NearestVoxel> found) const {
   const VoxelMap& map = search().map();
-  std::array<const std::uint32_t*, kBatch> where;
+  std::array<const std::uint32_t*, kBatch> where{};
   for (std::size_t k = 0; k < at_m.size(); ++k) {
     where[k] = field_->where(at_m[k]);
     __builtin_prefetch(where[k]);

@@ -57,7 +57,7 @@ class NearestVoxelField {
     std::array<std::uint32_t, kBlockVoxels> voxels;
   };
   struct Free {
-    void operator()(void* memory) const { std::free(memory); }
+    void operator()(void* memory) const { std::free(memory); }  // NOLINT(cppcoreguidelines-no-malloc): calloc's
   };
 
   [[nodiscard]] std::atomic_ref<const Block*> slot(const Eigen::Vector3i& at) const {

@@ -36,8 +36,8 @@ struct Register<16> {
 // they become.
 template <std::uint32_t kLanes>
 struct NearestOfLanes {
-  typename Register<kLanes>::Floats square_m2;
-  typename Register<kLanes>::Ints number;
+  typename Register<kLanes>::Floats square_m2{};
+  typename Register<kLanes>::Ints number{};
 };
 
 template <std::uint32_t kLanes>
@@ -75,7 +75,7 @@ template <std::uint32_t kLanes>
 template <std::uint32_t kLanes>
 [[gnu::always_inline]] inline std::uint32_t any_of(const typename Register<kLanes>::Ints& lanes) {
   if constexpr (kLanes > 4) {
-    std::array<typename Register<kLanes / 2>::Ints, 2> halves;
+    std::array<typename Register<kLanes / 2>::Ints, 2> halves{};
     std::memcpy(halves.data(), &lanes, sizeof(lanes));
     return any_of<kLanes / 2>(halves[0] | halves[1]);
   } else {

@@ -53,8 +53,8 @@ class ClusterGroup {
   [[nodiscard]] bool full() const { return size_ == kMostLanes; }
   [[nodiscard]] bool empty() const { return size_ == 0; }
 
-  alignas(64) std::array<Floats, 3> low_m;
-  std::array<Floats, 3> high_m;
+  alignas(64) std::array<Floats, 3> low_m{};
+  std::array<Floats, 3> high_m{};
   std::array<std::uint32_t, kMostLanes> first{};
   std::array<std::uint32_t, kMostLanes> end{};
   float least_m2;

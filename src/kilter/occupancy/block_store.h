@@ -44,7 +44,7 @@ class BlockStore {
   explicit BlockStore(const LogOddsModel& model);
 
   /// Adds one scan's marks (ScanMarks) of a block.
-  void apply(const Eigen::Vector3i& block, Marks marks);
+  void apply(const Eigen::Vector3i& at, Marks marks);
 
   /// All blocks sorted by key, as VoxelMap has them, and the occupied voxels' log-odds. The store is empty afterwards.
   struct Finished {

@@ -116,7 +116,8 @@ class Neighbourhood {
       for (int by = low.y() >> kBlockShift; by <= high.y() >> kBlockShift; ++by) {
         const std::uint64_t rows = 0x0101010101010101ULL & span(low.y(), high.y(), by, 8);
         for (int bx = low.x() >> kBlockShift; bx <= high.x() >> kBlockShift; ++bx) {
-          const Layers& block = layers_[static_cast<std::size_t>(bx + 3 * (by + 3 * bz))];
+          const int number = bx + 3 * (by + 3 * bz);
+          const Layers& block = layers_[static_cast<std::size_t>(number)];
           if (block.occupied == nullptr) continue;
           const std::uint64_t mask = rows * (span(low.x(), high.x(), bx, 1) & 0xFF);
           const int first = std::max(low.z() - bz * kBlockSize, 0);

@@ -69,8 +69,8 @@ void fill_chunk(const Fan& fan, const RayEnds& ends_m, std::size_t first, Chunk&
   const float* const x = ends_m.x.data() + first;
   const float* const y = ends_m.y.data() + first;
   const float* const z = ends_m.z.data() + first;
-  std::array<float, kChunk> length_m;
-  std::array<std::int32_t, kChunk> steps;
+  std::array<float, kChunk> length_m{};
+  std::array<std::int32_t, kChunk> steps{};
   std::int32_t most = 0;
   for (std::size_t i = 0; i < count; ++i) {
     const float dx = x[i] - fan.origin_m.x();

@@ -34,7 +34,25 @@ std::optional<PairKind> kind_of(const SubmapNode& source, const SubmapNode& targ
   return std::nullopt;
 }
 
-// All pairs whose widened boxes touch, and every sequential pair; sorted.
+}  // namespace
+
+std::vector<OptionField> fields(PairingOptions& o) {
+  return {
+      count_option("local_min_gap", o.local_min_gap, 2, 1000000,
+                   "Submaps of one robot this many apart or more form local pairs.", "k"),
+      real_option("drift_per_metre", o.drift_per_metre, Unit::kPerMetre, 0.0, 1.0,
+                  "How far a pose may have drifted for each metre travelled; widens the search for pairs."),
+      real_option("drift_max", o.drift_max_m, Unit::kMetre, 0.0, 1000.0,
+                  "Upper end of the drift that the search for pairs allows for."),
+  };
+}
+
+double drift_allowance_m(const SubmapNode& source, const SubmapNode& target, const PairingOptions& options) {
+  const double path_m = source.robot == target.robot ? std::abs(source.path_end_m - target.path_start_m)
+                                                     : source.path_end_m + target.path_end_m;
+  return std::min(options.drift_per_metre * path_m, options.drift_max_m);
+}
+
 std::vector<CandidatePair> meeting_pairs(std::span<const SubmapNode> nodes, std::span<const CoarseMap> maps,
                                          const PairingOptions& options) {
   std::vector<Eigen::AlignedBox3d> boxes;
@@ -71,25 +89,6 @@ std::vector<CandidatePair> meeting_pairs(std::span<const SubmapNode> nodes, std:
   }
   std::sort(pairs.begin(), pairs.end(), [](const auto& a, const auto& b) { return a.id < b.id; });
   return pairs;
-}
-
-}  // namespace
-
-std::vector<OptionField> fields(PairingOptions& o) {
-  return {
-      count_option("local_min_gap", o.local_min_gap, 2, 1000000,
-                   "Submaps of one robot this many apart or more form local pairs.", "k"),
-      real_option("drift_per_metre", o.drift_per_metre, Unit::kPerMetre, 0.0, 1.0,
-                  "How far a pose may have drifted for each metre travelled; widens the search for pairs."),
-      real_option("drift_max", o.drift_max_m, Unit::kMetre, 0.0, 1000.0,
-                  "Upper end of the drift that the search for pairs allows for."),
-  };
-}
-
-double drift_allowance_m(const SubmapNode& source, const SubmapNode& target, const PairingOptions& options) {
-  const double path_m = source.robot == target.robot ? std::abs(source.path_end_m - target.path_start_m)
-                                                     : source.path_end_m + target.path_end_m;
-  return std::min(options.drift_per_metre * path_m, options.drift_max_m);
 }
 
 std::vector<CandidatePair> propose_pairs(std::span<const SubmapNode> nodes, std::span<const CoarseMap> maps,

@@ -45,11 +45,15 @@ inline constexpr std::size_t kMaxCoarseCells = 256;
                                        const PairingOptions& options);
 
 /// Finds sequential (i, i-1), local (i, j <= i - k) and global (b, a) pairs (Eq. 4-6) whose boxes, widened by d and
-/// the drift allowance, touch, and says how much their coarse occupancy (one block of 8 voxels a cell) would overlap at
-/// the best horizontal shift within the allowance.
+/// the drift allowance, touch.
 /// \param maps  how each submap looks from afar, in the order of the nodes; see kMaxCoarseCells.
-/// \return sorted by PairId; every sequential pair is among them, boxes touching or not. Deterministic.
+/// \return sorted by PairId, nothing predicted yet; every sequential pair is among them, boxes touching or not.
 /// O(N log N + pairs).
+[[nodiscard]] std::vector<CandidatePair> meeting_pairs(std::span<const SubmapNode> nodes,
+                                                       std::span<const CoarseMap> maps, const PairingOptions& options);
+
+/// The same, and says how much their coarse occupancy (one block of 8 voxels a cell) would overlap at the best
+/// horizontal shift within the allowance. Deterministic.
 [[nodiscard]] std::vector<CandidatePair> propose_pairs(std::span<const SubmapNode> nodes,
                                                        std::span<const CoarseMap> maps, const PairingOptions& options,
                                                        const RunContext& run);

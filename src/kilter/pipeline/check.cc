@@ -94,7 +94,7 @@ Expected<BuiltSubmaps> build_all(const std::vector<RobotLog>& robots, std::vecto
     }
     built.coarse[i] = CoarseMap(submap->map, kMaxCoarseCells);
     built.summaries[i] = summary_of(*submap, robot.name);
-    built.nodes[i] = *submap;
+    built.nodes[i] = static_cast<const SubmapNode&>(*submap);
     if (Expected<void> kept = store.add(submap->id, std::move(submap->map)); !kept) errors[i] = kept.error();
   });
   for (const std::optional<Error>& error : errors) {

@@ -147,7 +147,7 @@ Expected<void> draw_pairs(std::span<const SubmapNode> nodes, SubmapStore& store,
     sampled.push_back(i);
     ids.push_back(result.pairs[i].id);
   }
-  const Expected<void> done = for_each_pair(nodes, store, ids, run, [&](std::size_t k, const PlacedPair& maps) {
+  Expected<void> done = for_each_pair(nodes, store, ids, run, [&](std::size_t k, const PlacedPair& maps) {
     draw_samples(result.pairs[sampled[k]], picture, maps, picture.pairs[sampled[k]]);
   });
   if (!done) return done;

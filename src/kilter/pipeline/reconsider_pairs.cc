@@ -101,9 +101,10 @@ Expected<void> reconsider_pairs(std::span<const SubmapNode> nodes, SubmapStore& 
     tries.push_back({i, T_world_target.inverse() * first.all[*suggested].T_world_correction * T_world_source});
   }
   std::vector<PairId> ids;
+  ids.reserve(tries.size());
   for (const Try& one : tries) ids.push_back(measured[one.pair].evidence.id);
   std::vector<PairEvidence> found(tries.size());
-  const Expected<void> done = for_each_pair(nodes, store, ids, run, [&](std::size_t k, const PlacedPair& maps) {
+  Expected<void> done = for_each_pair(nodes, store, ids, run, [&](std::size_t k, const PlacedPair& maps) {
     found[k] = register_again(maps, measured[tries[k].pair], tries[k].T_target_source, options);
   });
   if (!done) return done;

@@ -310,7 +310,8 @@ std::vector<CoarsePose> coarse_search(const VoxelMap& source, const VoxelMap& ta
       scores.resize(2 * static_cast<std::size_t>(side) + 1);
       score_row(grid.upright, cells, points, {-side, y, 0}, scores);
       for (int x = -side; x <= side; ++x) {
-        moves.push_back({{x, y, 0}, turn, scores[static_cast<std::size_t>(x + side)]});
+        const int number = x + side;
+        moves.push_back({{x, y, 0}, turn, scores[static_cast<std::size_t>(number)]});
       }
     }
   }

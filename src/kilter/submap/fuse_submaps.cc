@@ -17,14 +17,14 @@ using Cell = std::array<std::int64_t, 3>;  // z, y, x: sorts like blocks do
 
 // One voxel of one submap.
 struct Contribution {
-  Cell cell;
-  float log_odds;
+  Cell cell{};
+  float log_odds = 0.0F;
   Eigen::Vector3d centroid_world_m;
 };
 
 // What all submaps say of one cell.
 struct Sum {
-  Cell cell;
+  Cell cell{};
   Eigen::Vector3d centroids_world_m = Eigen::Vector3d::Zero();
   double log_odds = 0.0;  // of the surfaces
   int surfaces = 0;
