@@ -171,6 +171,11 @@ std::string doubt(const PairEvidence& pair, const MapNull& null, bool conflict_c
         "wrong place",
         agreement.agreeing + agreement.contradicting, agreement.contradicting);
   }
+  // A wide search knows its runner-up; where one that it did not try is tried because neighbours asked for it, only they
+  // can tell whether it is the right one.
+  if (registration.searched && !registration.ambiguity && agreement.agreeing == 0) {
+    return "it was found where a neighbour's correction would put it, and no registration around it confirms it";
+  }
   if (registration.ambiguous() && agreement.agreeing < kSupported) {
     return fmt::format(
         "ambiguous: {:.1f} m from there it fits {:.0f} % as well",

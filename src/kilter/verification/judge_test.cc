@@ -197,6 +197,20 @@ TEST(JudgePair, ConflictThatAMotionMendsIsNotOfThingsThatMoved) {
   EXPECT_EQ(verdict_of(pair, {.tolerance_m = 0.05}), Verdict::kUnverified);
 }
 
+// Half of those in open car parks are metres off, and nothing of their own says so.
+TEST(JudgePair, WhatOnlyANeighbourSuggestedNeedsOneThatConfirmsIt) {
+  PairEvidence pair = pair_moved(0.6, 0.01);
+  pair.registration->searched = true;  // no runner-up is known: it was not the wide search that found it
+  EXPECT_EQ(verdict_of(pair), Verdict::kUnverified);
+  EXPECT_NE(judged(pair).verdict.reason.find("no registration around it confirms"), std::string::npos);
+  pair.agreement.agreeing = 1;
+  pair.agreement.agreeing_weight = 1.0;
+  EXPECT_EQ(verdict_of(pair), Verdict::kInconsistent);
+  pair.agreement = {};
+  pair.registration->ambiguity = 0.2;
+  EXPECT_EQ(verdict_of(pair), Verdict::kInconsistent);
+}
+
 TEST(JudgePair, ASmallGainCountsIfFreeSpaceAgrees) {
   PairEvidence pair = pair_moved(0.3, 0.01);
   pair.registration->support_end = pair.registration->support_start * 5 / 4;
