@@ -171,8 +171,8 @@ std::string doubt(const PairEvidence& pair, const MapNull& null, bool conflict_c
         "wrong place",
         agreement.agreeing + agreement.contradicting, agreement.contradicting);
   }
-  // A wide search knows its runner-up; where one that it did not try is tried because neighbours asked for it, only they
-  // can tell whether it is the right one.
+  // A wide search knows its runner-up; where one that it did not try is tried because neighbours asked for it, only
+  // they can tell whether it is the right one.
   if (registration.searched && !registration.ambiguity && agreement.agreeing == 0) {
     return "it was found where a neighbour's correction would put it, and no registration around it confirms it";
   }
