@@ -220,7 +220,7 @@ NearestVoxelField::NearestVoxelField(const VoxelMap& map, double reach_m, Vector
   size_ = box.size;
   // Zeros that the system makes when they are touched; a vector would touch them all.
   // NOLINTNEXTLINE(cppcoreguidelines-no-malloc)
-  void* zeros = std::calloc(static_cast<std::size_t>(size_.cast<double>().prod()), sizeof(table_[0]));
+  void* zeros = std::calloc(static_cast<std::size_t>(size_.cast<double>().prod()), kSlotBytes);
   table_.reset(static_cast<const Block**>(zeros));
   if (table_ == nullptr) throw std::bad_alloc();
 }
@@ -261,7 +261,7 @@ std::size_t NearestVoxelField::bytes() const {
   const std::lock_guard lock(building_);
   constexpr std::size_t kOfAllocation = 16;
   constexpr std::size_t kPage = 4096;
-  const std::size_t table = static_cast<std::size_t>(size_.cast<std::int64_t>().prod()) * sizeof(const Block*);
+  const std::size_t table = static_cast<std::size_t>(size_.cast<std::int64_t>().prod()) * kSlotBytes;
   return std::min(table, kPage * (blocks_.size() + 1)) +
          blocks_.size() * (sizeof(Block) + kOfAllocation + sizeof(blocks_.front()));
 }

@@ -56,6 +56,7 @@ class NearestVoxelField {
   struct Block {
     std::array<std::uint32_t, kBlockVoxels> voxels;
   };
+  static constexpr std::size_t kSlotBytes = sizeof(void*);  // of table_
   struct Free {
     void operator()(void* memory) const { std::free(memory); }  // NOLINT(cppcoreguidelines-no-malloc): calloc's
   };
