@@ -51,7 +51,7 @@ def doubts(row):
     """Pieces of evidence that forbid to believe the registration."""
     found = set()
     moved = value(row, "displacement") > TOLERANCE_M
-    if "ask for another correction" in row["reason"]:
+    if "ask for another correction" in row["reason"] or "no registration around it confirms" in row["reason"]:
         found.add("neighbours")
     if (value(row, "ambiguity") or 0.0) > 0.7 and (value(row, "agreeing") or 0.0) < 2:
         found.add("ambiguity")
