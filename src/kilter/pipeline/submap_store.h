@@ -59,7 +59,7 @@ struct StoreLimits {
 /// recently used first: to the spill space, once, for a map never changes; whoever asks for it later gets the same bits
 /// back. Callers wait while others use what fills the memory, so any number of threads gets along with room for a
 /// single pair. What a field of nearest voxels grows to while a pair is pinned is counted when the last pin is
-/// released.
+/// released; what then exceeds the limit goes out when somebody next asks for a map.
 ///
 /// A thread that holds a pin must not ask for another: both of a pair are asked for at once. After a failure all
 /// further calls fail with the same error. Any thread may call.
@@ -93,8 +93,8 @@ class SubmapStore {
 
   Expected<void> acquire(std::span<const std::size_t> numbers);
   void release(std::size_t number);
-  // Whether `needed` bytes are free. If not, puts one submap out or waits for a change; then look again, all may
-  // differ.
+  // Whether `needed` bytes are free, or none are needed and all that is held beyond the limit is in use. If not, puts
+  // one submap out or waits for a change; then look again, all may differ.
   Expected<bool> make_room(Lock& lock, std::size_t needed, std::span<const std::size_t> kept);
   void put_out(Lock& lock, std::size_t number);
   void bring_in(Lock& lock, std::size_t number);

@@ -109,7 +109,7 @@ double facing_share(std::span<const PlaneResidual> residuals, const NormalEquati
   for (const PlaneResidual& r : residuals) {
     const Eigen::Vector3d moved = shift + turn.cross(r.point_m - equations.centre_m);
     const double along = r.direction.dot(moved);
-    if (std::abs(along) >= kFacingCosine * moved.norm()) sum += r.weight * along * along;
+    if (faces(r.direction, moved)) sum += r.weight * along * along;
   }
   return sum / equations.weight;
 }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cmath>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -53,6 +54,11 @@ inline constexpr double kEnoughShare = 0.06;
 /// Least cosine between a normal and the way that its point would go, for the surface to face the motion: 66 degrees,
 /// three standard deviations of a voxel's normal.
 inline constexpr double kFacingCosine = 0.4;
+
+/// Whether a surface of this normal faces the way that its point goes, forwards or backwards; not where it stays.
+[[nodiscard]] inline bool faces(const Eigen::Vector3d& normal, const Eigen::Vector3d& way_m) {
+  return std::abs(normal.dot(way_m)) > kFacingCosine * way_m.norm();
+}
 
 /// A direction is fixed by surfaces that face its motion, few as they may be: the end wall of a corridor is a hundredth
 /// of what is seen there. What surfaces along the motion add to the information is noise of their normals, so only

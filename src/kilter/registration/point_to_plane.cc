@@ -151,8 +151,7 @@ Vector6 free_motion(const Pose3& start, const Pose3& T, const Look& look) {
 template <typename Motion>
 std::size_t count_facing(std::span<const PlaneResidual> residuals, double limit_m, const Motion& moved_m) {
   return static_cast<std::size_t>(std::count_if(residuals.begin(), residuals.end(), [&](const PlaneResidual& r) {
-    const Eigen::Vector3d moved = moved_m(r.point_m);
-    return std::abs(r.residual_m) < limit_m && std::abs(r.direction.dot(moved)) >= kFacingCosine * moved.norm();
+    return std::abs(r.residual_m) < limit_m && faces(r.direction, moved_m(r.point_m));
   }));
 }
 

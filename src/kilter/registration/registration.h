@@ -78,7 +78,7 @@ struct RegistrationResult {
   /// Unit twists about `centre_target_m` along the target's axes that the scene does not fix.
   std::vector<Vector6> unobservable;
   Bend bend;  ///< what still lies apart at the end, of places at most search_distance_m from each other
-  /// Found by the wide search instead of from the map's pose.
+  /// Not found from the map's pose but by the wide search, or where another pair's correction would put it.
   bool searched = false;
   /// Voxels that a plane supports at the end, less what free-space conflict costs: what the wide search ranks poses by.
   /// Known where it ran.
@@ -90,6 +90,8 @@ struct RegistrationResult {
 
   /// Another pose fits nearly as well.
   [[nodiscard]] bool ambiguous() const { return ambiguity.value_or(0.0) > 0.7; }
+  /// Found where another pair's correction would put it (align_near): what else might fit was not looked for.
+  [[nodiscard]] bool suggested() const { return searched && !ambiguity; }
   [[nodiscard]] bool converged() const { return stop == StopReason::kConverged; }
 };
 

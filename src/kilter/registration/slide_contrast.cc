@@ -32,8 +32,8 @@ FacingPoints facing_points(const VoxelMap& map, const Pose3& T_target_points, co
   const Eigen::Vector3d turn = motion.tail<3>();
   for (std::size_t i = 0; i < surface.size(); ++i) {
     const Eigen::Vector3d moved = shift + turn.cross(T * surface.centroids_m[i].cast<double>());
-    const double along = (T.linear() * surface.normals[i].cast<double>()).dot(moved);
-    if (std::abs(along) > kFacingCosine * moved.norm()) facing.voxels.push_back(static_cast<std::uint32_t>(i));
+    const Eigen::Vector3d normal = T.linear() * surface.normals[i].cast<double>();
+    if (faces(normal, moved)) facing.voxels.push_back(static_cast<std::uint32_t>(i));
   }
   if (facing.voxels.size() > kMostPoints) {
     for (std::size_t k = 0; k < kMostPoints; ++k) {

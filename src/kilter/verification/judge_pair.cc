@@ -63,7 +63,7 @@ double theta_limit(const MapNull& null) {
 bool support_grew(const RegistrationResult& registration, double factor) {
   const auto start = static_cast<double>(registration.support_start);
   const auto end = static_cast<double>(registration.support_end);
-  return end - factor * start >= kGainDeviations * std::sqrt(end + factor * factor * start);
+  return end - factor * start > kGainDeviations * std::sqrt(end + factor * factor * start);
 }
 
 bool fit_improved(const PairEvidence& pair) {
@@ -171,9 +171,8 @@ std::string doubt(const PairEvidence& pair, const MapNull& null, bool conflict_c
         "wrong place",
         agreement.agreeing + agreement.contradicting, agreement.contradicting);
   }
-  // A wide search knows its runner-up; where one that it did not try is tried because neighbours asked for it, only
-  // they can tell whether it is the right one.
-  if (registration.searched && !registration.ambiguity && agreement.agreeing == 0) {
+  // A wide search knows its runner-up; of what neighbours suggested only they can tell whether it is the right one.
+  if (registration.suggested() && agreement.agreeing == 0) {
     return "it was found where a neighbour's correction would put it, and no registration around it confirms it";
   }
   if (registration.ambiguous() && agreement.agreeing < kSupported) {

@@ -197,7 +197,7 @@ TEST(JudgePair, ConflictThatAMotionMendsIsNotOfThingsThatMoved) {
   EXPECT_EQ(verdict_of(pair, {.tolerance_m = 0.05}), Verdict::kUnverified);
 }
 
-// Half of those in open car parks are metres off, and nothing of their own says so.
+// Most of those in open car parks are off by a metre or two, and nothing of their own says so.
 TEST(JudgePair, WhatOnlyANeighbourSuggestedNeedsOneThatConfirmsIt) {
   PairEvidence pair = pair_moved(0.6, 0.01);
   pair.registration->searched = true;  // no runner-up is known: it was not the wide search that found it
@@ -228,6 +228,8 @@ TEST(JudgePair, AGainOfAHandfulIsChance) {
   EXPECT_NE(judged(pair).verdict.reason.find("agrees no better"), std::string::npos) << judged(pair).verdict.reason;
   pair.registration->support_end = 140;
   EXPECT_EQ(verdict_of(pair), Verdict::kInconsistent);
+  pair.registration->support_start = pair.registration->support_end = 0;  // nothing faces it
+  EXPECT_EQ(verdict_of(pair), Verdict::kUnverified);
 }
 
 // A storey below looks like the one above: planes fit there, but walls then stand where the other submap saw through.
