@@ -11,11 +11,11 @@
 #include <bit>
 #include <cmath>
 #include <cstdio>
-#include <ctime>
 #include <functional>
 #include <string>
 #include <vector>
 
+#include "../processor_clock.h"
 #include "kilter/io/mission.h"
 #include "kilter/occupancy/map_builder.h"
 
@@ -40,12 +40,6 @@ kilter::OccupancyOptions options() {
 octomap::point3d origin_of(const Scan& scan) {
   const Eigen::Vector3f origin_m = scan.origin_m.cast<float>();
   return {origin_m.x(), origin_m.y(), origin_m.z()};
-}
-
-double processor_seconds() {
-  timespec now{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
 double seconds(const std::function<void()>& work) {

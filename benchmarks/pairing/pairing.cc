@@ -8,11 +8,11 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
-#include <ctime>
 #include <functional>
 #include <string>
 #include <vector>
 
+#include "../processor_clock.h"
 #include "kilter/pairing/propose_pairs.h"
 #include "testing/scenes.h"
 
@@ -45,12 +45,6 @@ Mission mission_of(std::size_t count, const kilter::CoarseMap& room) {
   }
   mission.maps.assign(count, room);
   return mission;
-}
-
-double processor_seconds() {
-  timespec now{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
 double median_seconds(int rounds, const std::function<void()>& work) {

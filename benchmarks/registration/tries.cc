@@ -15,7 +15,6 @@
 #include <fmt/format.h>
 
 #include <array>
-#include <ctime>
 #include <deque>
 #include <iostream>
 #include <optional>
@@ -23,6 +22,7 @@
 #include <string>
 #include <vector>
 
+#include "../processor_clock.h"
 #include "benchmarks/registration/peers.h"
 #include "kilter/io/mission.h"
 #include "kilter/pipeline/measure_pair.h"
@@ -46,12 +46,6 @@ struct Outcome {
   std::optional<PairMeasurement> measured;
   std::optional<Pose3> T_target_source;
 };
-
-double processor_seconds() {
-  std::timespec time{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
-  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
-}
 
 Expected<CheckOptions> options_of(const std::vector<std::string>& settings) {
   CheckOptions options;
