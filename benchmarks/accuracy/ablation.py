@@ -14,7 +14,7 @@ SURE = math.log(0.99 / 0.01)
 PRIOR = math.log(0.05 / 0.95)
 
 PIECES = ("bend", "neighbours", "ambiguity", "kept overlap", "conflict once registered", "gain of support",
-          "free space alone", "conflict that a motion mends")
+          "free space alone", "conflict that a motion mends", "a better fit elsewhere")
 WHATEVER_IT_IS = 0.25  # share of conflict, above the typical, that needs no motion to speak
 
 
@@ -73,6 +73,8 @@ def decide(row, without=""):
     alone = free_space(row, without)
     if alone is not None:
         return "inconsistent" if alone > SURE else "unverified"
+    if value(row, "support", "log_ratio") is not None and without not in ("neighbours", "a better fit elsewhere"):
+        return "inconsistent"
     if value(row, "displacement") is None or doubts(row) - {without}:
         return "unverified"
     hidden = "could hide" in row["reason"]  # by a direction that nothing fixes

@@ -266,6 +266,7 @@ def read_result(folder):
     return json.loads((pathlib.Path(folder) / "result.json").read_text(encoding="utf-8"))
 
 
-def by_free_space(pair):
-    """Whether a pair of result.json was judged by free space alone: no registration of it is believed."""
-    return pair["evidence"].get("conflict", {}).get("log_ratio") is not None
+def without_registration(pair):
+    """Whether a pair of result.json was judged by free space alone, or because something else fits better: no registration
+    of it is believed."""
+    return any(pair["evidence"].get(name, {}).get("log_ratio") is not None for name in ("conflict", "support"))

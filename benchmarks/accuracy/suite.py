@@ -128,7 +128,7 @@ def said_of(pair):
             "offset_m": pair["offset_m"], "interval_m": pair["offset_interval_m"],
             "gamma_literal": pair["gamma_literal"], "verified": pair["verified"], **evidence,
             "pieces": pair["evidence"],
-            "by_free_space": labels.by_free_space(pair)}
+            "without_registration": labels.without_registration(pair)}
 
 
 def rows_of(mission, result, truth, moved):

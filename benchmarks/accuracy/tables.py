@@ -144,7 +144,7 @@ def verdict_table(answers):
         bad = [r for r in rows if r["rms_m"] > BAD_M]
         good = [r for r in rows if r["rms_m"] < GOOD_M]
         errors = np.array([r["error_m"] for r in rows_of(some) if r.get("error_m") is not None
-                           and r["verdict"] != "unverified" and not r["by_free_space"]])
+                           and r["verdict"] != "unverified" and not r["without_registration"]])
         quantiles = np.percentile(errors, [50, 90]) * 100 if len(errors) else [float("nan")] * 2
         faults = [f for a in some for f in a["faults"]]
         table.append([name, len(bad), share(count(bad, "inconsistent"), len(bad)), share(count(bad, "consistent"), len(bad)),
@@ -160,7 +160,7 @@ def constraint_table(answers):
     table = []
     for name, some in [*by_group(answers).items(), ("all", answers)]:
         rows = [r for r in rows_of(some) if r.get("error_m") is not None and r["verdict"] != "unverified"
-                and not r["by_free_space"] and (r["pieces"].get("bend_m", {}).get("value") or 0.0) <= TOLERANCE_M]
+                and not r["without_registration"] and (r["pieces"].get("bend_m", {}).get("value") or 0.0) <= TOLERANCE_M]
         line = [name]
         for kept in (rows, [r for r in rows if r["fixed"]]):
             errors = np.array([r["error_m"] for r in kept])
@@ -254,6 +254,17 @@ def calibration_table(answers):
     print_table(["said p", "truly above", "pairs"], [[f"{m:.3f}", f"{s:.3f}", n] for m, s, n in bins])
 
 
+def doubted_line(answers):
+    """How often a registration that is not believed ended beyond the tolerance."""
+    rows = [r for r in rows_of(answers) if r["fixed"]]
+    left = [r for r in rows if ablation.value(r, "displacement") is not None and ablation.value(r, "displacement") > TOLERANCE_M
+            and ablation.doubts(r)]
+    above = [r for r in rows if r["rms_m"] > TOLERANCE_M]
+    far = sum(r["rms_m"] > TOLERANCE_M for r in left)
+    print(f"Registrations that are doubted and ended beyond the tolerance: {far} of {len(above)} pairs that are off by more, "
+          f"{len(left) - far} of the {len(rows) - len(above)} others.\n")
+
+
 def certificate_line(answers):
     """Whether the certificate covers the truth of the pairs that it speaks of."""
     held, of, widths = 0, 0, []
@@ -305,6 +316,7 @@ def drift(answers):
     set_shares_table(answers)
     wrong_place_table(answers)
     calibration_table(answers)
+    doubted_line(answers)
     certificate_line(answers)
     ablation_table(answers)
     seconds_line(answers)

@@ -22,7 +22,7 @@ double discovery_threshold(std::vector<double> p_values, double alpha) {
 }
 
 std::string why_inconsistent(const PairVerdict& verdict, const JudgeOptions& options) {
-  if (verdict.conflict_reason) return *verdict.conflict_reason;
+  if (verdict.without_registration) return *verdict.without_registration;
   const auto& interval = *verdict.offset_interval_m;
   const std::string offset = fmt::format("offset {:.1f} cm ({:.1f} to {:.1f} cm)", 100.0 * *verdict.offset_m,
                                          100.0 * interval[0], 100.0 * interval[1]);
@@ -148,8 +148,8 @@ std::string undecided(const DecidedShares& shares, const std::vector<JudgedPair>
   return {};
 }
 
-// Upper 95 % bounds of all decided pairs; the others that overlap are named as excluded, and those whose free space
-// alone decides: it bounds a disagreement from below only.
+// Upper 95 % bounds of all decided pairs; the others that overlap are named as excluded, and those that are decided
+// without a registration: they are bounded from below only.
 void certify(const std::vector<JudgedPair>& pairs, MapVerdict& map) {
   for (const JudgedPair& pair : pairs) {
     if (pair.verdict.verdict == Verdict::kUnverified) {
@@ -158,7 +158,7 @@ void certify(const std::vector<JudgedPair>& pairs, MapVerdict& map) {
     }
     // The paper's own test measures no interval: it certifies nothing.
     if (!pair.verdict.disagreement_most_m) {
-      if (pair.verdict.conflict_reason) map.certificate_excludes.push_back(pair.id);
+      if (pair.verdict.without_registration) map.certificate_excludes.push_back(pair.id);
       continue;
     }
     map.certificate_m = std::max(map.certificate_m.value_or(0.0), *pair.verdict.disagreement_most_m);

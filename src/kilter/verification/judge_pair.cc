@@ -8,14 +8,13 @@
 #include "kilter/numerics/special.h"
 #include "kilter/verification/judge.h"
 #include "kilter/verification/offset.h"
+#include "kilter/verification/witnesses.h"
 
 namespace kilter {
 namespace {
 
 // Equivalence is claimed when the posterior leaves this much for a disagreement above the tolerance.
 constexpr double kConsistentTail = 0.05;
-// A fit that loses over a fifth of the overlap found something else.
-constexpr double kOverlapKept = 0.8;
 // Conflict this many spreads above the map's own good pairs, and never below these shares, is out of line.
 constexpr double kConflictSpreads = 4.0;
 constexpr double kOnePercent = 2.5758;  // standard deviations that chance exceeds once in a hundred, either side
@@ -23,30 +22,13 @@ constexpr double kConflictSlack = 0.03;
 // Theta this many spreads below the map's own, and at least this many decades, is out of line.
 constexpr double kThetaSpreads = 3.0;
 constexpr double kThetaSlack = 0.3;
-// Only keeps numbers finite: log odds rank pairs whose probability has long come out as 1.
-constexpr double kMaxLogOdds = 1e6;
-// Registration always moves a little: a displacement counts only if this many times as many voxels support the new
-// pose (face the way moved and lie within a quarter voxel of the other submap's planes) as the map's, and not by
-// chance.
-constexpr double kLeastGain = 1.3;
-constexpr double kGainDeviations = 3.0;
-// A smaller gain will do if free space agrees too: at least this much of what both saw no longer conflicts, and at most
-// half of the conflict is left.
-constexpr double kLeastGainWithFreeSpace = 1.1;
-constexpr double kLeastConflictGone = 0.02;
-constexpr double kConflictLeft = 0.5;
-// Surfaces that lie apart stand in space that the other submap saw through, so a move in the right direction makes
-// conflict vanish. Where it makes some instead, the storey above or the next aisle may be what fits: the gain has to be
-// overwhelming.
-constexpr double kLeastGainAgainstFreeSpace = 3.0;
-// Of what both saw, this much may have moved in between.
-constexpr double kMovingShare = 0.2;
-constexpr double kConflictSampling = 0.02;  // standard deviation of such a share
-constexpr std::size_t kFewestKnown = 400;   // voxels, of both submaps, that it has to stand on
-constexpr double kSurely = 1e-4;            // a displacement of this p-value needs no other witness
-// A registration that is not believed is the wrong one this often. It then says nothing of the disagreement, so
-// likelihood ratios are bounded by the inverse of this.
+// A registration that is not believed is the wrong one this often, where it ended within the tolerance. It then says
+// nothing of the disagreement, so likelihood ratios are bounded by the inverse of this.
 constexpr double kWrongWhenDoubted = 0.25;
+// It starts at the map's pose, and a wide search leaves that basin for a better one only: from a right pose it ends
+// beyond the tolerance this much more rarely than from a wrong one, doubted or not. A quarter of the pairs that are off
+// do so, and of those that are not less than 0.2 % (`benchmarks/accuracy/run`); rounded up.
+constexpr double kLeavesRightPlace = 0.01;
 // An ambiguous registration is believed if this many around it agree.
 constexpr int kSupported = 2;
 
@@ -57,21 +39,6 @@ double conflict_limit(const MapNull& null) {
 // Without free space only the distances can tell that registration settled in the wrong place (step F11).
 double theta_limit(const MapNull& null) {
   return null.log10_theta - std::max(kThetaSpreads * null.log10_theta_spread, kThetaSlack);
-}
-
-// Support grew by this factor at least, and by more than two counts of such voxels may differ.
-bool support_grew(const RegistrationResult& registration, double factor) {
-  const auto start = static_cast<double>(registration.support_start);
-  const auto end = static_cast<double>(registration.support_end);
-  return end - factor * start > kGainDeviations * std::sqrt(end + factor * factor * start);
-}
-
-bool fit_improved(const PairEvidence& pair) {
-  const double before = pair.map.conflict.share();
-  const double after = pair.registered->conflict.share();
-  if (after > before) return support_grew(*pair.registration, kLeastGainAgainstFreeSpace);
-  const bool conflict_gone = before - after >= kLeastConflictGone && after <= kConflictLeft * before;
-  return support_grew(*pair.registration, conflict_gone ? kLeastGainWithFreeSpace : kLeastGain);
 }
 
 void note_measurements(const PairEvidence& pair, const MapNull& null, PairVerdict& verdict) {
@@ -105,18 +72,14 @@ void note_support(const RegistrationResult& registration, const Agreement& agree
   if (registration.ambiguity) verdict.evidence["ambiguity"].value = *registration.ambiguity;
 }
 
-void set_posterior(double log_ratio, const JudgeOptions& options, PairVerdict& verdict) {
-  const double prior = std::log(options.prior_inconsistent / (1.0 - options.prior_inconsistent));
-  verdict.log_odds = std::clamp(log_ratio + prior, -kMaxLogOdds, kMaxLogOdds);
-  verdict.p_inconsistent = 1.0 / (1.0 + std::exp(-*verdict.log_odds));
-}
-
-// With probability kWrongWhenDoubted the registration is wrong, and what it found is as likely either way.
+// With some probability the registration is wrong, and what it found is as likely either way.
 void disbelieve(const JudgeOptions& options, PairVerdict& verdict) {
   verdict.p_value.reset();
   std::optional<double>& log_ratio = verdict.evidence.at("disagreement").log_ratio;
-  const double strength = std::log(kWrongWhenDoubted + (1.0 - kWrongWhenDoubted) * std::exp(-std::abs(*log_ratio)));
-  log_ratio = *log_ratio > 0.0 ? -strength : strength;
+  const bool above = *log_ratio > 0.0;
+  const double wrong = above ? kLeavesRightPlace : kWrongWhenDoubted;
+  const double strength = std::log(wrong + (1.0 - wrong) * std::exp(-std::abs(*log_ratio)));
+  log_ratio = above ? -strength : strength;
   set_posterior(*log_ratio, options, verdict);
 }
 
@@ -159,13 +122,15 @@ std::string_view bent_one(const Bend& bend) {
 
 std::string in_cm(double metres) { return fmt::format("{:.1f} cm", 100.0 * metres); }
 
+bool contradicted(const PairEvidence& pair) { return pair.registration->searched && pair.agreement.contradicted(); }
+
 // Why the registered pose cannot be believed; empty if it can. Where the pose barely moved and a submap is bent,
 // conflict is what a bend looks like and no reason for doubt.
 std::string doubt(const PairEvidence& pair, const MapNull& null, bool conflict_counts) {
   const PoseEvidence& after = *pair.registered;
   const RegistrationResult& registration = *pair.registration;
   const Agreement& agreement = pair.agreement;
-  if (registration.searched && agreement.contradicted()) {
+  if (contradicted(pair)) {
     return fmt::format(
         "of the {} registrations around it that could tell, {} ask for another correction: it may have settled in the "
         "wrong place",
@@ -201,55 +166,6 @@ std::string doubt(const PairEvidence& pair, const MapNull& null, bool conflict_c
   return {};
 }
 
-// Half of the conflict goes when the source moves, what both saw and where they overlap stay, and more fits. Things
-// that were moved in between do not go by moving the submap.
-bool conflict_is_mended(const PairEvidence& pair) {
-  if (!pair.registered) return false;
-  const PoseEvidence& after = *pair.registered;
-  const auto kept = [](double before, double now) { return now >= kOverlapKept * before; };
-  return after.conflict.share() <= kConflictLeft * pair.map.conflict.share() && kept(pair.map.overlap, after.overlap) &&
-         kept(static_cast<double>(pair.map.conflict.known()), static_cast<double>(after.conflict.known())) &&
-         support_grew(*pair.registration, kLeastGainWithFreeSpace);
-}
-
-// How much conflict a disagreement of the tolerance may make. A surface that stands where the other submap saw through
-// lies at least the conflict's margin off its counterpart, so a share s of such surfaces makes the disagreement at
-// least margin * sqrt(s), whatever it looks like; and things that moved conflict, too. Where a motion mends it, it is
-// not those; and displacements are then spread no wider than a normal law is, which lies beyond the margin less often.
-double tolerated_conflict(const PairEvidence& pair, double tolerance_m) {
-  const double margin_m = kConflictMarginVoxels * pair.resolution_m;
-  const double whatever = std::pow(tolerance_m / margin_m, 2);
-  if (conflict_is_mended(pair)) return std::min(whatever, 2.0 * std::exp(log_normal_tail(margin_m / tolerance_m)));
-  return std::max(whatever, kMovingShare);
-}
-
-// Free space as a witness of its own, where registration is none: for pairs of different places, for submaps that are
-// bent beyond what a rigid motion mends, for a motion that mends much but may not be the right one.
-void let_free_space_speak(const PairEvidence& pair, const MapNull& null, const JudgeOptions& options,
-                          PairVerdict& verdict) {
-  if (!pair.overlaps || pair.map.conflict.known() < kFewestKnown) return;
-  if (verdict.p_value && *verdict.p_value <= kSurely) return;
-  const double excess = pair.map.conflict.share() - null.conflict;
-  const double z =
-      (excess - tolerated_conflict(pair, options.tolerance_m)) / std::hypot(null.conflict_spread, kConflictSampling);
-  if (z <= 0.0) return;
-  const double p_value = std::exp(log_normal_tail(z)) * (verdict.p_value ? 2.0 : 1.0);  // the better of two tests
-  if (verdict.p_value && *verdict.p_value <= p_value) return;
-  const double log_ratio = std::min(log_normal_tail(-z) - log_normal_tail(z), kMaxLogOdds);
-  verdict.evidence["conflict"].log_ratio = log_ratio;
-  verdict.p_value = p_value;
-  set_posterior(log_ratio, options, verdict);
-  verdict.rigid = false;
-  verdict.disagreement_most_m.reset();
-  verdict.conflict_reason =
-      fmt::format("{:.0f} % of what both saw conflicts as the map has it (typical of this map: {:.0f} %), and {} ({})",
-                  100.0 * pair.map.conflict.share(), 100.0 * null.conflict,
-                  conflict_is_mended(pair)
-                      ? "a motion mends most of it, so nothing else has moved; whether it is the right one is open"
-                      : "no rigid motion that can be believed mends it: the places differ, or a submap is bent",
-                  verdict.reason);
-}
-
 PairVerdict judge_displacement(const PairEvidence& pair, const MapNull& null, const JudgeOptions& options) {
   PairVerdict verdict;
   note_measurements(pair, null, verdict);
@@ -277,7 +193,9 @@ PairVerdict judge_displacement(const PairEvidence& pair, const MapNull& null, co
   const std::string why_not = doubt(pair, null, verdict.rigid || moved);
   if (!why_not.empty()) {
     verdict.reason = fmt::format("{}; {}", measured, why_not);
+    const double p_value = *verdict.p_value;
     disbelieve(options, verdict);
+    if (moved && contradicted(pair)) let_better_fit_speak(pair, p_value, verdict);
   } else if (moved && !fit_improved(pair)) {
     verdict.reason =
         pair.registered->conflict.share() > pair.map.conflict.share()

@@ -73,8 +73,8 @@ struct PairVerdict {
   std::vector<Vector6> unobservable;               ///< unit twists about the overlap's centre, target axes
   std::optional<double> p_value;                   ///< for "at most the tolerance"
   bool rigid = true;  ///< false if parts stay apart by over the tolerance whatever the rigid motion: a submap is bent
-  /// What free space alone says against the map's pose, if that is what p_value rests on.
-  std::optional<std::string> conflict_reason;
+  /// What says that the map's pose is wrong though no registration is believed to be right, if p_value rests on that.
+  std::optional<std::string> without_registration;
   std::string bent;  ///< which: "the source", "the target", "one of the two"; meaningful where `rigid` is false
   std::optional<double> log_odds;  ///< ln(p / (1 - p)) of p_inconsistent
   std::optional<double> p_inconsistent;

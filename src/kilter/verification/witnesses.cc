@@ -1,0 +1,126 @@
+// SPDX-FileCopyrightText: The kilter authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "kilter/verification/witnesses.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "kilter/numerics/special.h"
+
+namespace kilter {
+namespace {
+
+// Registration always moves a little: a displacement counts only if this many times as many voxels support the new
+// pose (face the way moved and lie within a quarter voxel of the other submap's planes) as the map's, and not by
+// chance.
+constexpr double kLeastGain = 1.3;
+constexpr double kGainDeviations = 3.0;
+// A smaller gain will do if free space agrees too: at least this much of what both saw no longer conflicts, and at most
+// half of the conflict is left.
+constexpr double kLeastGainWithFreeSpace = 1.1;
+constexpr double kLeastConflictGone = 0.02;
+constexpr double kConflictLeft = 0.5;
+// Surfaces that lie apart stand in space that the other submap saw through, so a move in the right direction makes
+// conflict vanish. Where it makes some instead, the storey above or the next aisle may be what fits: the gain has to be
+// overwhelming.
+constexpr double kLeastGainAgainstFreeSpace = 3.0;
+// Of what both saw, this much may have moved in between.
+constexpr double kMovingShare = 0.2;
+constexpr double kConflictSampling = 0.02;  // standard deviation of such a share
+constexpr std::size_t kFewestKnown = 400;   // voxels, of both submaps, that it has to stand on
+constexpr double kSurely = 1e-4;            // a displacement of this p-value needs no other witness
+// A right pose is left this seldom for one that fits better, beyond chance, and that its neighbours contradict: upper
+// 95 % bound over the good pairs of `benchmarks/accuracy/run`, of which none was.
+constexpr double kLeftForBetter = 0.002;
+
+// Support grew by this factor at least, and by more than two counts of such voxels may differ.
+bool support_grew(const RegistrationResult& registration, double factor) {
+  const auto start = static_cast<double>(registration.support_start);
+  const auto end = static_cast<double>(registration.support_end);
+  return end - factor * start > kGainDeviations * std::sqrt(end + factor * factor * start);
+}
+
+// What overlaps and what both saw stay when the source moves, so that what was seen there counts.
+bool stays_in_view(const PairEvidence& pair) {
+  const PoseEvidence& after = *pair.registered;
+  const auto kept = [](double before, double now) { return now >= kOverlapKept * before; };
+  return kept(pair.map.overlap, after.overlap) &&
+         kept(static_cast<double>(pair.map.conflict.known()), static_cast<double>(after.conflict.known()));
+}
+
+// Half of the conflict goes when the source moves, and more fits. Things that were moved in between do not go by moving
+// the submap.
+bool conflict_is_mended(const PairEvidence& pair) {
+  return pair.registered && pair.registered->conflict.share() <= kConflictLeft * pair.map.conflict.share() &&
+         stays_in_view(pair) && support_grew(*pair.registration, kLeastGainWithFreeSpace);
+}
+
+// How much conflict a disagreement of the tolerance may make. A surface that stands where the other submap saw through
+// lies at least the conflict's margin off its counterpart, so a share s of such surfaces makes the disagreement at
+// least margin * sqrt(s), whatever it looks like; and things that moved conflict, too. Where a motion mends it, it is
+// not those; and displacements are then spread no wider than a normal law is, which lies beyond the margin less often.
+double tolerated_conflict(const PairEvidence& pair, double tolerance_m) {
+  const double margin_m = kConflictMarginVoxels * pair.resolution_m;
+  const double whatever = std::pow(tolerance_m / margin_m, 2);
+  if (conflict_is_mended(pair)) return std::min(whatever, 2.0 * std::exp(log_normal_tail(margin_m / tolerance_m)));
+  return std::max(whatever, kMovingShare);
+}
+
+}  // namespace
+
+bool fit_improved(const PairEvidence& pair) {
+  const double before = pair.map.conflict.share();
+  const double after = pair.registered->conflict.share();
+  if (after > before) return support_grew(*pair.registration, kLeastGainAgainstFreeSpace);
+  const bool conflict_gone = before - after >= kLeastConflictGone && after <= kConflictLeft * before;
+  return support_grew(*pair.registration, conflict_gone ? kLeastGainWithFreeSpace : kLeastGain);
+}
+
+void set_posterior(double log_ratio, const JudgeOptions& options, PairVerdict& verdict) {
+  const double prior = std::log(options.prior_inconsistent / (1.0 - options.prior_inconsistent));
+  verdict.log_odds = std::clamp(log_ratio + prior, -kMaxLogOdds, kMaxLogOdds);
+  verdict.p_inconsistent = 1.0 / (1.0 + std::exp(-*verdict.log_odds));
+}
+
+void let_free_space_speak(const PairEvidence& pair, const MapNull& null, const JudgeOptions& options,
+                          PairVerdict& verdict) {
+  if (!pair.overlaps || pair.map.conflict.known() < kFewestKnown) return;
+  if (verdict.p_value && *verdict.p_value <= kSurely) return;
+  const double excess = pair.map.conflict.share() - null.conflict;
+  const double z =
+      (excess - tolerated_conflict(pair, options.tolerance_m)) / std::hypot(null.conflict_spread, kConflictSampling);
+  if (z <= 0.0) return;
+  const double p_value = std::exp(log_normal_tail(z)) * (verdict.p_value ? 2.0 : 1.0);  // the better of two tests
+  if (verdict.p_value && *verdict.p_value <= p_value) return;
+  const double log_ratio = std::min(log_normal_tail(-z) - log_normal_tail(z), kMaxLogOdds);
+  verdict.evidence["conflict"].log_ratio = log_ratio;
+  verdict.p_value = p_value;
+  set_posterior(log_ratio, options, verdict);
+  verdict.rigid = false;
+  verdict.disagreement_most_m.reset();
+  verdict.without_registration =
+      fmt::format("{:.0f} % of what both saw conflicts as the map has it (typical of this map: {:.0f} %), and {} ({})",
+                  100.0 * pair.map.conflict.share(), 100.0 * null.conflict,
+                  conflict_is_mended(pair)
+                      ? "a motion mends most of it, so nothing else has moved; whether it is the right one is open"
+                      : "no rigid motion that can be believed mends it: the places differ, or a submap is bent",
+                  verdict.reason);
+}
+
+void let_better_fit_speak(const PairEvidence& pair, double p_value, PairVerdict& verdict) {
+  if (!stays_in_view(pair) || !fit_improved(pair)) return;
+  verdict.evidence["support"].log_ratio = verdict.evidence.at("disagreement").log_ratio;
+  verdict.p_value = std::max(p_value, kLeftForBetter);
+  verdict.rigid = false;
+  verdict.disagreement_most_m.reset();
+  verdict.without_registration = fmt::format(
+      "another pose fits better than the map's: {} voxels that face the way there meet the other's planes instead of "
+      "{}, "
+      "and {:.1f} % of what both saw conflicts instead of {:.1f} %; which pose is right is open ({})",
+      pair.registration->support_end, pair.registration->support_start, 100.0 * pair.registered->conflict.share(),
+      100.0 * pair.map.conflict.share(), verdict.reason);
+}
+
+}  // namespace kilter

@@ -1,0 +1,36 @@
+// SPDX-FileCopyrightText: The kilter authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "kilter/verification/judge.h"
+
+// What tells whether a move is worth it, and what speaks against the map's pose where no registration is believed to be
+// right. The pieces of judge_pair.
+namespace kilter {
+
+/// Of the overlap at the map's pose, a fit that keeps less found something else.
+inline constexpr double kOverlapKept = 0.8;
+
+/// Only keeps numbers finite: log odds rank pairs whose probability has long come out as 1.
+inline constexpr double kMaxLogOdds = 1e6;
+
+/// Whether more voxels that face the way moved fit at the registered pose than at the map's, beyond chance; fewer are
+/// enough where conflict vanishes, many are asked for where it grows. Precondition: the pair was registered.
+[[nodiscard]] bool fit_improved(const PairEvidence& pair);
+
+/// Makes `log_odds` and `p_inconsistent` of a log likelihood ratio and the prior.
+void set_posterior(double log_ratio, const JudgeOptions& options, PairVerdict& verdict);
+
+/// Free space as a witness of its own: for pairs of different places, for submaps that are bent beyond what a rigid
+/// motion mends, for a motion that mends much but may not be the right one. Sets p_value and `without_registration` if
+/// it says more than the verdict so far.
+void let_free_space_speak(const PairEvidence& pair, const MapNull& null, const JudgeOptions& options,
+                          PairVerdict& verdict);
+
+/// The same for a pair that was moved by more than the tolerance, which its neighbours contradict: they ask for another
+/// correction, and do not say that none is needed. Where the wide search left the map's pose for one that fits better,
+/// that pose is wrong, whichever is right.
+/// \param p_value  of the displacement, were it believed
+void let_better_fit_speak(const PairEvidence& pair, double p_value, PairVerdict& verdict);
+
+}  // namespace kilter
