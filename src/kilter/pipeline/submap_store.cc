@@ -8,11 +8,25 @@
 #include <array>
 #include <new>
 
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
+
 #include "kilter/base/contract.h"
 #include "kilter/occupancy/voxel_map_bytes.h"
 
 namespace kilter {
 namespace {
+
+// Freed pages are given back whenever this part of the limit has been put out.
+constexpr std::size_t kTrimShare = 8;
+
+// Submaps that come and go leave holes in the heap, which the next ones, of other sizes, do not fill.
+void give_pages_back() {
+#ifdef __GLIBC__
+  malloc_trim(0);
+#endif
+}
 
 std::size_t number_of(SubmapId id) { return static_cast<std::size_t>(id.value); }
 
@@ -184,11 +198,15 @@ void SubmapStore::put_out(Lock& lock, std::size_t number) {
     entry.spilled = *place;
   }
   used_bytes_ -= entry.bytes;
+  bytes_since_trim_ += entry.bytes;
   entry.bytes = entry.fresh_bytes;
   std::unique_ptr<const SearchableMap> gone = std::move(entry.map);
   changed_.notify_all();
+  const bool trim = bytes_since_trim_ >= limits_.memory_bytes / kTrimShare;
+  if (trim) bytes_since_trim_ = 0;
   lock.unlock();  // giving megabytes back takes its time
   gone.reset();
+  if (trim) give_pages_back();
   lock.lock();
 }
 

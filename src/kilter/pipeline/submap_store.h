@@ -108,9 +108,10 @@ class SubmapStore {
   std::mutex mutex_;
   std::condition_variable changed_;
   std::vector<Entry> entries_;
-  std::list<std::size_t> unused_;  // held without pins, the least recently used first
-  std::size_t used_bytes_ = 0;     // of all that is held, comes or goes
-  int in_use_ = 0;                 // pins, and entries that come or go
+  std::list<std::size_t> unused_;     // held without pins, the least recently used first
+  std::size_t used_bytes_ = 0;        // of all that is held, comes or goes
+  std::size_t bytes_since_trim_ = 0;  // put out since freed pages were last given back
+  int in_use_ = 0;                    // pins, and entries that come or go
   std::optional<Error> failure_;
 };
 
