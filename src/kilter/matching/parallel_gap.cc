@@ -51,17 +51,25 @@ std::optional<double> distance_to_layer_m(const VoxelMap& target, const Eigen::V
                                           const Eigen::Vector3d& normal, bool oriented) {
   const double resolution_m = target.resolution_m();
   const double beside_m = kBesideVoxels * resolution_m;
-  const int radius = static_cast<int>(std::ceil(kMostGap_m / resolution_m));
+  // The box around what lies along the normal, and a hundredth of a voxel for what floats lose; as far as a voxel may
+  // be from that of the point.
+  const Eigen::Array3d along_axes = normal.array().abs();
+  const Eigen::Array3d reach_m = kMostGap_m * along_axes + beside_m * (1.0 - along_axes.square()).max(0.0).sqrt() +
+                                 Eigen::Array3d::Constant(0.01 * resolution_m);
+  const VoxelIndex centre = voxel_at(at_m, resolution_m);
+  const VoxelIndex farthest = VoxelIndex::Constant(static_cast<int>(std::ceil(kMostGap_m / resolution_m)));
+  const VoxelIndex low = voxel_at(at_m - reach_m.matrix(), resolution_m).cwiseMax(centre - farthest);
+  const VoxelIndex high = voxel_at(at_m + reach_m.matrix(), resolution_m).cwiseMin(centre + farthest);
   std::vector<double> distances_m;
-  target.visit_window(voxel_at(at_m, resolution_m), radius, [&](std::uint32_t i) {
+  target.visit_box(low, high, [&](std::uint32_t i) {
     const SurfaceVoxels& voxels = target.voxels();
+    const Eigen::Vector3d between_m = at_m - voxels.centroids_m[i].cast<double>();
+    const double along_m = between_m.dot(normal);
+    if ((between_m - along_m * normal).squaredNorm() > beside_m * beside_m || std::abs(along_m) > kMostGap_m) return;
     if (voxels.planarity[i] < kLeastPlanarity) return;
     Eigen::Vector3d other = voxels.normals[i].cast<double>();
     if (!oriented && other.dot(normal) < 0.0) other = -other;
     if (other.dot(normal) < kSameWay) return;
-    const Eigen::Vector3d between_m = at_m - voxels.centroids_m[i].cast<double>();
-    const double along_m = between_m.dot(normal);
-    if ((between_m - along_m * normal).squaredNorm() > beside_m * beside_m || std::abs(along_m) > kMostGap_m) return;
     distances_m.push_back(between_m.dot(other));
   });
   if (distances_m.empty()) return std::nullopt;

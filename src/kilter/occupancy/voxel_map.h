@@ -63,10 +63,10 @@ class VoxelMap {
   /// Number of an occupied voxel, or -1.
   [[nodiscard]] std::int64_t find_voxel(const VoxelIndex& voxel) const;
 
-  /// Calls visit(voxel number) for every occupied voxel whose index differs by at most `radius` on each axis,
-  /// in ascending order inside each block.
+  /// Calls visit(voxel number) for every occupied voxel whose index lies from `low` to `high`, both included, on each
+  /// axis, in ascending order inside each block.
   template <typename Visit>
-  void visit_window(const VoxelIndex& centre, int radius, const Visit& visit) const;
+  void visit_box(const VoxelIndex& low, const VoxelIndex& high, const Visit& visit) const;
 
   /// Probability of being occupied of voxel number i.
   [[nodiscard]] double probability(std::size_t i) const;
@@ -94,9 +94,7 @@ class VoxelMap {
 }
 
 template <typename Visit>
-void VoxelMap::visit_window(const VoxelIndex& centre, int radius, const Visit& visit) const {
-  const VoxelIndex low = centre - VoxelIndex::Constant(radius);
-  const VoxelIndex high = centre + VoxelIndex::Constant(radius);
+void VoxelMap::visit_box(const VoxelIndex& low, const VoxelIndex& high, const Visit& visit) const {
   const Eigen::Vector3i first = block_of(low);
   const Eigen::Vector3i last = block_of(high);
   for (int bz = first.z(); bz <= last.z(); ++bz) {

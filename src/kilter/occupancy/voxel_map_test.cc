@@ -62,15 +62,19 @@ TEST(VoxelMap, FindsEveryVoxelByItsIndex) {
   EXPECT_EQ(map.state({1000, 1000, 1000}), CellState::kUnknown);
 }
 
-TEST(VoxelMap, WindowVisitsExactlyTheVoxelsInside) {
+TEST(VoxelMap, BoxVisitsExactlyTheVoxelsInside) {
   const VoxelMap map = random_map(2, 1.0, 2000);
-  for (const int radius : {0, 1, 2, 4, 9}) {
-    for (const VoxelIndex& centre : {VoxelIndex(0, 0, 0), VoxelIndex(-3, 7, 8), VoxelIndex(9, -10, 2)}) {
+  for (const VoxelIndex& reach :
+       {VoxelIndex(0, 0, 0), VoxelIndex(1, 1, 1), VoxelIndex(4, 0, 9), VoxelIndex(2, 5, 1), VoxelIndex(9, 9, 9)}) {
+    for (const VoxelIndex& low : {VoxelIndex(0, 0, 0), VoxelIndex(-3, 7, 8), VoxelIndex(-9, -10, 2)}) {
+      const VoxelIndex high = low + reach;
       std::set<std::uint32_t> seen;
-      map.visit_window(centre, radius, [&](std::uint32_t i) { EXPECT_TRUE(seen.insert(i).second); });
+      map.visit_box(low, high, [&](std::uint32_t i) { EXPECT_TRUE(seen.insert(i).second); });
       std::set<std::uint32_t> expected;
       for (std::size_t i = 0; i < map.indices().size(); ++i) {
-        if ((map.indices()[i] - centre).cwiseAbs().maxCoeff() <= radius) expected.insert(static_cast<std::uint32_t>(i));
+        const VoxelIndex& index = map.indices()[i];
+        if ((index - low).minCoeff() >= 0 && (high - index).minCoeff() >= 0)
+          expected.insert(static_cast<std::uint32_t>(i));
       }
       EXPECT_EQ(seen, expected);
     }

@@ -8,6 +8,8 @@
 #include <cmath>
 #include <map>
 
+#include "kilter/registration/sum_jacobians.h"
+
 namespace kilter {
 namespace {
 
@@ -15,14 +17,6 @@ namespace {
 constexpr double kLeastFacing = 0.003;
 // Below this share of the weight a direction is not fixed by anything.
 constexpr double kNothing = 1e-9;
-
-// d residual / d (v, w) about the centre, target axes.
-Vector6 plain_jacobian(const PlaneResidual& r, const Eigen::Vector3d& centre_m) {
-  Vector6 j;
-  j.head<3>() = r.direction;
-  j.tail<3>() = (r.point_m - centre_m).cross(r.direction);
-  return j;
-}
 
 Vector6 jacobian(const PlaneResidual& r, const NormalEquations& equations) {
   return equations.unscale.transpose() * plain_jacobian(r, equations.centre_m);
@@ -131,15 +125,10 @@ NormalEquations build_normal_equations(std::span<const PlaneResidual> residuals)
     scatter_m2.noalias() += r.weight * arm_m * arm_m.transpose();
   }
   equations.unscale = scaling_of(scatter_m2 / equations.weight);
-  Matrix6 information = Matrix6::Zero();
-  Vector6 gradient = Vector6::Zero();
-  for (const PlaneResidual& r : residuals) {
-    const Vector6 j = plain_jacobian(r, equations.centre_m);
-    information.noalias() += r.weight * j * j.transpose();
-    gradient += r.weight * r.residual_m * j;
-  }
-  equations.information = equations.unscale.transpose() * information * equations.unscale;
-  equations.gradient = equations.unscale.transpose() * gradient;
+  static const SumJacobians sum_jacobians = sum_jacobians_with(vector_paths().back());
+  const JacobianSums sums = sum_jacobians(residuals, equations.centre_m);
+  equations.information = equations.unscale.transpose() * sums.information * equations.unscale;
+  equations.gradient = equations.unscale.transpose() * sums.gradient;
   return equations;
 }
 
