@@ -122,6 +122,7 @@ void NearestVoxelSearch::plan_steps() {
       if (first > 0) break;
       step.to_m2 = static_cast<float>(ring * edge_m * ring * edge_m);
       steps_.push_back(step);
+      step.first = step.end;
       step.from_m2 = step.to_m2;
       step.to_m2 = std::numeric_limits<float>::max();
       step.least_m2 = kRoundedDown * step.from_m2;
@@ -170,7 +171,7 @@ NearestVoxelCursor::Home& NearestVoxelCursor::home_at(const Eigen::Vector3i& blo
   std::size_t slot = block_hash(block_key(block)) & (table_.size() - 1);
   while (table_[slot] != 0 && homes_[table_[slot] - 1].at != block) slot = (slot + 1) & (table_.size() - 1);
   if (table_[slot] == 0) {
-    homes_.push_back({block, {}, 0});
+    homes_.push_back({block, {}, {}, 0});
     table_[slot] = static_cast<std::uint32_t>(homes_.size());
   }
   last_ = table_[slot];
@@ -189,6 +190,15 @@ bool NearestVoxelCursor::extend(Home& home, float best_m2) const {
     box.high_m[axis] = static_cast<float>((at + 1) * edge_m);
   }
   ClusterGroup group(step.least_m2);
+  const auto add = [&](const Cluster& cluster) {
+    group.add(cluster);
+    if (!group.full()) return;
+    home.groups.push_back(group);
+    group = ClusterGroup(step.least_m2);
+  };
+  for (const Farther& left : home.farther) {
+    if (left.gap_m2 >= step.from_m2 && left.gap_m2 < step.to_m2) add(search_->clusters_[left.cluster]);
+  }
   for (std::uint32_t k = step.first; k < step.end; ++k) {
     const std::int32_t number = map.find_block(home.at + search_->offsets_[k]);
     if (number == BlockIndex::kNone) continue;
@@ -196,13 +206,14 @@ bool NearestVoxelCursor::extend(Home& home, float best_m2) const {
     for (std::uint32_t i = range.first; i < range.end; ++i) {
       const Cluster& cluster = search_->clusters_[i];
       const float gap_m2 = square_distance_m2(box, cluster);
-      if (gap_m2 < step.from_m2 || gap_m2 >= step.to_m2) continue;
-      group.add(cluster);
-      if (!group.full()) continue;
-      home.groups.push_back(group);
-      group = ClusterGroup(step.least_m2);
+      if (gap_m2 < step.to_m2) {
+        add(cluster);
+      } else {
+        home.farther.push_back({i, gap_m2});
+      }
     }
   }
+  if (step.to_m2 == std::numeric_limits<float>::max()) home.farther = {};
   if (!group.empty()) home.groups.push_back(group);
   return true;
 }

@@ -71,7 +71,7 @@ class NearestVoxelSearch {
   };
   // What is looked at in one step: clusters of certain blocks around the home block, at certain distances from its box.
   struct Step {
-    std::uint32_t first = 0;  // of the offsets
+    std::uint32_t first = 0;  // of the offsets; none where the step goes on with what the one before has left
     std::uint32_t end = 0;
     float from_m2 = 0.0F;  // clusters whose square distance is in [from, to)
     float to_m2 = std::numeric_limits<float>::max();
@@ -118,10 +118,17 @@ class NearestVoxelCursor {
  private:
   static constexpr std::size_t kMostHomes = 1 << 13;
 
+  // A cluster of a block that was looked at, farther than the step went.
+  struct Farther {
+    std::uint32_t cluster = 0;
+    float gap_m2 = 0.0F;
+  };
+
   // What lies around one block, sorted by least distance, as far as was needed yet.
   struct Home {
     Eigen::Vector3i at;
     std::vector<ClusterGroup> groups;
+    std::vector<Farther> farther;
     std::size_t steps = 0;  // that `groups` cover
   };
 

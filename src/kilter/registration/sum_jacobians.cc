@@ -10,13 +10,14 @@ namespace kilter {
 namespace {
 
 JacobianSums sum_baseline(std::span<const PlaneResidual> residuals, const Eigen::Vector3d& centre_m) {
-  JacobianSums sums;
+  Matrix6 information = Matrix6::Zero();
+  Vector6 gradient = Vector6::Zero();
   for (const PlaneResidual& r : residuals) {
     const Vector6 j = plain_jacobian(r, centre_m);
-    sums.information.noalias() += r.weight * j * j.transpose();
-    sums.gradient += r.weight * r.residual_m * j;
+    information.noalias() += r.weight * j * j.transpose();
+    gradient += r.weight * r.residual_m * j;
   }
-  return sums;
+  return {information, gradient};
 }
 
 #if defined(__x86_64__)
