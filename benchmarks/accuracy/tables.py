@@ -6,6 +6,7 @@ import collections
 import numpy as np
 
 import ablation
+import bends
 import scores
 from baselines import RADII_M
 
@@ -257,7 +258,7 @@ def calibration_table(answers):
 def doubted_line(answers):
     """How often a registration that is not believed ended beyond the tolerance."""
     rows = [r for r in rows_of(answers) if r["fixed"]]
-    left = [r for r in rows if ablation.value(r, "displacement") is not None and ablation.value(r, "displacement") > TOLERANCE_M
+    left = [r for r in rows if r.get("pieces") and (ablation.value(r, "displacement") or 0.0) > TOLERANCE_M
             and ablation.doubts(r)]
     above = [r for r in rows if r["rms_m"] > TOLERANCE_M]
     far = sum(r["rms_m"] > TOLERANCE_M for r in left)
@@ -319,6 +320,8 @@ def drift(answers):
     doubted_line(answers)
     certificate_line(answers)
     ablation_table(answers)
+    print_table(["true bend cm", "pairs", "RMS true cm", "RMS measured cm", "median measured / true"],
+                bends.rows_of(rows_of(answers), ENOUGH_OVERLAP))
     seconds_line(answers)
 
 
