@@ -8,7 +8,7 @@ import { css, sourceColour, targetColour } from "./colours.js";
 import { byId, element } from "./dom.js";
 import { themed } from "./scene.js";
 import type { State } from "./state.js";
-import { action, centimetres, degrees, interval, kindInWords, large, parts, probability, shift } from "./words.js";
+import { action, centimetres, correctionOpen, degrees, interval, kindInWords, large, parts, probability, shift } from "./words.js";
 
 /** Expected counts of a normal truncated to [0, d], at the middle of each bin. */
 export function fitted(histogram: Histogram, mu: number | null, sigma: number | null): (number | null)[] {
@@ -92,7 +92,7 @@ function facts(state: State): HTMLElement {
   const rows: [string, string][] = [
     ["What it is", kindInWords[pair.kind]],
     ["Offset", pair.offset_m === null ? "not measured" : [centimetres(pair.offset_m), interval(pair) && `${interval(pair)} at 95 %`, degrees(pair)].filter(Boolean).join("; ")],
-    ["To mend it", moves === "" ? "unknown" : `move ${pair.source} ${moves}`],
+    ["To mend it", moves === "" || correctionOpen(pair) ? "unknown" : `move ${pair.source} ${moves}`],
     ["Gap between double walls", centimetres(pair.gap_m)],
     ["Smallest offset seen here", centimetres(pair.minimum_detectable_m)],
     ["Directions left open", pair.unobservable === null ? "unknown" : pair.unobservable.length === 0 ? "none" : `${pair.unobservable.length}, drawn as a dashed axis`],

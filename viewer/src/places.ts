@@ -4,7 +4,7 @@
 import type { Archive } from "./archive.js";
 import { byId, element } from "./dom.js";
 import type { State } from "./state.js";
-import { action, centimetres, degrees, kindInWords, parts, probability, shift } from "./words.js";
+import { action, centimetres, correctionOpen, degrees, kindInWords, parts, probability, shift } from "./words.js";
 
 export interface Place {
   /** Its worst pair, and all of them. */
@@ -58,7 +58,7 @@ function card(state: State, place: Place, sign: string): HTMLElement {
       element("b", {}, pair.offset_m === null ? "offset unknown" : `${offset} apart`),
       ` ${pair.target} and ${pair.source}`,
       element("small", {}, `${kindInWords[pair.kind]}; ${probability(pair.p_inconsistent)}`),
-      moves === "" ? null : element("small", { class: "more" }, `${pair.source} would fit if moved ${moves}`),
+      moves === "" || correctionOpen(pair) ? null : element("small", { class: "more" }, `${pair.source} would fit if moved ${moves}`),
       element("small", { class: "action more" }, action(state.archive, place.pair)),
       more === 0 ? null : element("small", { class: "more" }, `${more} more pair${more === 1 ? "" : "s"} of these robots disagree here`),
     ),

@@ -109,6 +109,12 @@ function undecided(pair: Pair): string {
   return "Not decided: look at both clouds and judge.";
 }
 
+/** Whether the map's pose is known to be wrong, but not which one is right: decided by free space, or because another
+ * pose fits better, without a registration that is believed. Such a pair has no constraint. */
+export function correctionOpen(pair: Pair): boolean {
+  return ["conflict", "support"].some((name) => (pair.evidence[name]?.log_ratio ?? null) !== null);
+}
+
 /** What to do about a pair, in plain words. */
 export function action(archive: Archive, number: number): string {
   const pair = archive.result.pairs[number]!;
@@ -117,6 +123,9 @@ export function action(archive: Archive, number: number): string {
   if (pair.verdict === "unverified") return undecided(pair);
   if (pair.verdict === "consistent") return "Nothing to mend here at the tolerance asked for.";
   const both = `${scans(target)} and ${scans(source)}`;
+  if (correctionOpen(pair)) {
+    return `${both} do not fit as the map has them; what would mend it is not known, and constraints.g2o has no link here. Mend the others around it first, then check again.`;
+  }
   switch (pair.kind) {
     case "sequential":
       return `The odometry slipped between ${both}: look at the poses there.`;

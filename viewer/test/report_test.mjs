@@ -232,6 +232,27 @@ await test("the table filters and sorts", {}, async (page) => {
   }
 });
 
+await test("a pair whose correction is open is not told how to mend it", {}, async (page) => {
+  const said = await page.evaluate(() => {
+    const { state } = window.kilter;
+    const witnesses = (pair) => ["conflict", "support"].filter((name) => (pair.evidence[name]?.log_ratio ?? null) !== null);
+    const number = state.pairs.findIndex((pair) => pair.verdict === "inconsistent" && witnesses(pair).length === 0);
+    const other = number === 0 ? 1 : 0;
+    const words = () => {
+      state.select(other);
+      state.select(number);
+      return document.querySelector("#details").textContent;
+    };
+    const { evidence } = state.pairs[number];
+    const decided = words();
+    evidence.support = { value: 10, null: 900, log_ratio: 4 };
+    return { decided, open: words(), source: state.pairs[number].source };
+  });
+  assert.match(said.decided, new RegExp(`move ${said.source} `));
+  assert.doesNotMatch(said.open, new RegExp(`move ${said.source} `));
+  assert.match(said.open, /constraints\.g2o has no link here/);
+});
+
 await test("a permalink opens its pair", { hash: "" }, async (page) => {
   const link = await page.evaluate(() => {
     const { state } = window.kilter;
