@@ -180,6 +180,8 @@ std::string offset_text(const PairVerdict& verdict) {
 
 std::string shift_text(const Result& result, const PairResult& pair) {
   if (!pair.verdict.offset_vector_m) return "-";
+  // The map's pose is wrong, but which one is right is open.
+  if (pair.verdict.verdict == Verdict::kInconsistent && pair.verdict.without_registration) return "not known";
   const Pose3& T_world_target = result.submap(pair.id.target).T_world_submap;
   const Eigen::Vector3d shift_cm = T_world_target.rotation() * *pair.verdict.offset_vector_m * 100.0;
   const int decimals = shift_cm.norm() < 10.0 ? 1 : 0;

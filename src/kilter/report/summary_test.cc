@@ -92,6 +92,16 @@ TEST(Summary, TheShiftIsTurnedIntoTheWorld) {
   EXPECT_THAT(summary(result), HasSubstr("x+40 y+0 z+15"));
 }
 
+TEST(Summary, NoShiftIsToldWhereNobodyKnowsTheRightOne) {
+  Result result = testing::small_result();
+  for (PairResult& pair : result.pairs) {
+    if (pair.verdict.verdict == Verdict::kInconsistent) pair.verdict.without_registration = "another pose fits better";
+  }
+  const std::string text = summary(result);
+  EXPECT_THAT(text, HasSubstr("43 cm [39, 47]     1.7 deg  not known "));
+  EXPECT_THAT(text, HasSubstr("x+2.0 y+0.0 z+0.0"));
+}
+
 TEST(Summary, InconsistentPairsComeBeforeLargerOffsetsThatAreNot) {
   Result result = testing::small_result();
   result.pairs[0].verdict.verdict = Verdict::kUnverified;
