@@ -35,7 +35,7 @@ static_assert(offsetof(PlaneResidual, point_m) == 0 && offsetof(PlaneResidual, d
   Lanes gradient{};
   for (const PlaneResidual& r : residuals) {
     Lanes all;
-    std::memcpy(&all, &r, sizeof(all));
+    std::memcpy(&all, static_cast<const void*>(&r), sizeof(all));
     const Lanes arm = all - centre;
     const Lanes cross = __builtin_shufflevector(arm, arm, 0, 0, 0, 1, 2, 0, 0, 0) *
                             __builtin_shufflevector(all, all, 0, 0, 0, 5, 3, 4, 0, 0) -
