@@ -6,6 +6,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
+#include <utility>
 
 #include "kilter/numerics/special.h"
 
@@ -68,6 +70,14 @@ double tolerated_conflict(const PairEvidence& pair, double tolerance_m) {
   return std::max(whatever, kMovingShare);
 }
 
+// No registration is believed, so there is no constraint, and nothing bounds the disagreement from above.
+void decide_without_registration(double p_value, std::string reason, PairVerdict& verdict) {
+  verdict.p_value = p_value;
+  verdict.rigid = false;
+  verdict.disagreement_most_m.reset();
+  verdict.without_registration = std::move(reason);
+}
+
 }  // namespace
 
 bool fit_improved(const PairEvidence& pair) {
@@ -96,31 +106,30 @@ void let_free_space_speak(const PairEvidence& pair, const MapNull& null, const J
   if (verdict.p_value && *verdict.p_value <= p_value) return;
   const double log_ratio = std::min(log_normal_tail(-z) - log_normal_tail(z), kMaxLogOdds);
   verdict.evidence["conflict"].log_ratio = log_ratio;
-  verdict.p_value = p_value;
   set_posterior(log_ratio, options, verdict);
-  verdict.rigid = false;
-  verdict.disagreement_most_m.reset();
-  verdict.without_registration =
+  decide_without_registration(
+      p_value,
       fmt::format("{:.0f} % of what both saw conflicts as the map has it (typical of this map: {:.0f} %), and {} ({})",
                   100.0 * pair.map.conflict.share(), 100.0 * null.conflict,
                   conflict_is_mended(pair)
                       ? "a motion mends most of it, so nothing else has moved; whether it is the right one is open"
                       : "no rigid motion that can be believed mends it: the places differ, or a submap is bent",
-                  verdict.reason);
+                  verdict.reason),
+      verdict);
 }
 
 void let_better_fit_speak(const PairEvidence& pair, double p_value, PairVerdict& verdict) {
   if (!stays_in_view(pair) || !fit_improved(pair)) return;
   verdict.evidence["support"].log_ratio = verdict.evidence.at("disagreement").log_ratio;
-  verdict.p_value = std::max(p_value, kLeftForBetter);
-  verdict.rigid = false;
-  verdict.disagreement_most_m.reset();
-  verdict.without_registration = fmt::format(
-      "another pose fits better than the map's: {} voxels that face the way there meet the other's planes instead of "
-      "{}, "
-      "and {:.1f} % of what both saw conflicts instead of {:.1f} %; which pose is right is open ({})",
-      pair.registration->support_end, pair.registration->support_start, 100.0 * pair.registered->conflict.share(),
-      100.0 * pair.map.conflict.share(), verdict.reason);
+  decide_without_registration(
+      std::max(p_value, kLeftForBetter),
+      fmt::format(
+          "another pose fits better than the map's: {} voxels that face the way there meet the other's planes "
+          "instead of {}, and {:.1f} % of what both saw conflicts instead of {:.1f} %; which pose is right is open "
+          "({})",
+          pair.registration->support_end, pair.registration->support_start, 100.0 * pair.registered->conflict.share(),
+          100.0 * pair.map.conflict.share(), verdict.reason),
+      verdict);
 }
 
 }  // namespace kilter
