@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: The kilter authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""The mission of scripts/demo: its planted fault is found, and the same scans under the right poses are clean."""
+"""The mission of scripts/demo: its planted fault is found, and the same scans under the right poses are clean. So are
+storeys that look alike."""
 
 import json
 import subprocess
@@ -41,6 +42,24 @@ class PlantedFault(unittest.TestCase):
         status, result = self.check("with-right-poses", "--poses", self.folder / "truth")
         self.assertEqual(status, 0)
         self.assertEqual(result["system"]["verdict"], "consistent")
+
+
+class StoreysThatLookAlike(unittest.TestCase):
+    def test_under_their_right_poses_no_pair_is_accused_of_standing_a_storey_off(self):
+        with tempfile.TemporaryDirectory() as scratch:
+            folder = Path(scratch)
+            made = run_kilter("simulate", "stairs", "-o", folder / "stairs", "--seed", "7", "--columns", "360",
+                              "--scan-step", "1.2", "--quiet")
+            self.assertEqual(made.status, 0, made.stderr)
+            run = run_kilter("check", folder / "stairs" / "mission", "--poses", folder / "stairs" / "truth", "-o",
+                             folder / "out", "--quiet")
+            self.assertIn(run.status, (0, 4), run.stdout)
+            result = json.loads((folder / "out" / "result.json").read_text(encoding="utf-8"))
+        fits_elsewhere = [pair for pair in result["pairs"] if (pair["offset_m"] or 0.0) > 2.0]
+        self.assertGreater(len(fits_elsewhere), 5, "the scene is there to tempt")
+        for pair in fits_elsewhere:
+            self.assertEqual(pair["verdict"], "unverified", pair["reason"])
+            self.assertLess(pair["p_inconsistent"], 0.5, pair["reason"])
 
 
 if __name__ == "__main__":

@@ -224,6 +224,7 @@ Expected<void> present(const CheckCommand& command, const Job& job, const Result
   if (command.common.json) return print_out(json);
   SummaryOptions options;
   options.tolerance_m = job.settings.check.judge.tolerance_m;
+  options.papers_test = job.settings.check.judge.method == JudgeMethod::kGamma;
   options.colour = wants_colour(command.common.no_color);
   options.output_folder = command.output_folder;
   for (const SourceSummary& source : job.mission.sources) options.sources.push_back(describe(source));

@@ -217,6 +217,14 @@ class Truth:
                 if len(np.intersect1d(a.keys, b.keys, assume_unique=True)) < LEAST_CELLS:
                     yield {"source": source["id"], "target": self.submaps[t]["id"], "map_overlap": overlap}
 
+    def apart_by_pose(self, s, t):
+        """RMS over the source's places of how far they lie from where the target's rigid motion (truth to map) would have
+        put them: how far off a pair is that has no places in common."""
+        a, b = self.places[t], self.places[s]
+        true_a, true_b = centres_of(a.keys), centres_of(b.keys)
+        R, shift = rigid_fit(true_a, true_a + a.shift_m)
+        return float(np.sqrt((np.linalg.norm(true_b @ R.T + shift - (true_b + b.shift_m), axis=1)**2).mean()))
+
     def pair(self, s, t):
         a, b = self.places[t], self.places[s]
         common, ia, ib = np.intersect1d(a.keys, b.keys, assume_unique=True, return_indices=True)

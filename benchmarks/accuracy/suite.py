@@ -198,9 +198,16 @@ def try_mission(mission, kilter, wants_baselines):
               **said_of(next((p for p in result["pairs"]
                               if (p["source"], p["target"]) == (w["source"], w["target"])), None))}
              for w in truth.wrong_places()]
+    # The storey above, the next aisle: what no label speaks of must not be accused either.
+    labelled = {(row["source"], row["target"]) for row in rows}
+    number = {submap["id"]: k for k, submap in enumerate(result["submaps"])}
+    accused = [{"source": p["source"], "target": p["target"], "reason": p["reason"],
+                "apart_m": truth.apart_by_pose(number[p["source"]], number[p["target"]])}
+               for p in result["pairs"]
+               if p["verdict"] == "inconsistent" and (p["source"], p["target"]) not in labelled]
     system = result["system"]
     answer = {"stamp": stamp, "group": mission.group, "name": mission.name, "digest": result["config_digest"],
-              "rows": rows, "wrong": wrong, "faults": fault_rows(mission, result),
+              "rows": rows, "wrong": wrong, "accused": accused, "faults": fault_rows(mission, result),
               "system": {key: system[key] for key in ("verdict", "certificate_m", "inconsistent", "tested")},
               "excluded": system.get("certificate_excludes", []),
               "seconds": result["run"]["seconds"], "tested": len(result["pairs"])}

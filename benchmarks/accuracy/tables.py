@@ -239,6 +239,9 @@ def wrong_place_table(answers):
         print(f"Wrong places (overlap in the map ≥ 30 %, none in truth): {len(wrong)} pairs, of them consistent "
               f"{count(wrong, 'consistent')}, inconsistent {count(wrong, 'inconsistent')}, unverified "
               f"{count(wrong, 'unverified')}.\n")
+    accused = [pair for a in answers for pair in a["accused"]]
+    print(f"Called inconsistent without enough places in common for a label: {len(accused)} pairs, of them "
+          f"{sum(pair['apart_m'] <= TOLERANCE_M for pair in accused)} at most the tolerance off by their poses.\n")
 
 
 def calibration_table(answers):
@@ -273,7 +276,7 @@ def certificate_line(answers):
         bound = answer["system"]["certificate_m"]
         excluded = {frozenset(pair) for pair in answer["excluded"]}
         decided = [r for r in answer["rows"] if r["verdict"] != "unverified"
-                   and frozenset((r["source"], r["target"])) not in excluded and r["fixed"]]
+                   and frozenset((r["source"], r["target"])) not in excluded]
         if bound is None or not decided:
             continue
         of += 1
@@ -328,6 +331,7 @@ def drift(answers):
 def sealed(answers):
     configurations(answers)
     verdict_table(answers)
+    wrong_place_table(answers)
     area_table(answers)
     for name, some in (*by_group(answers).items(), ("all", answers)):
         print(f"### {name}\n")
@@ -350,6 +354,7 @@ def clean(answers):
                       number(100 * np.median(truly), 1), number(100 * np.max(truly), 1)])
     print_table(["world", "missions", "with a pair inconsistent", "map consistent", "and ≥ 70 % decided", "decided",
                  "certificate median cm", "true disagreement median cm", "largest cm"], table)
+    wrong_place_table(answers)
     certificate_line(answers)
 
 

@@ -49,6 +49,7 @@ export interface Pair {
   gap_m: number | null;
   minimum_detectable_m: number | null;
   unobservable: number[][] | null;
+  p_value: number | null;
   p_inconsistent: number | null;
   verdict: Verdict;
   reason: string;

@@ -109,9 +109,11 @@ function undecided(pair: Pair): string {
   return "Not decided: look at both clouds and judge.";
 }
 
-/** Whether the map's pose is known to be wrong, but not which one is right: decided by free space, or because another
- * pose fits better, without a registration that is believed. Such a pair has no constraint. */
+/** Whether the right pose is not known, though a registration ended somewhere: the map's is wrong by free space, or because
+ * another fits better, without a registration that is believed; or nothing was decided for that reason. Such a pair has no
+ * constraint. */
 export function correctionOpen(pair: Pair): boolean {
+  if (pair.verdict === "unverified" && pair.p_value === null) return true;
   return ["conflict", "support"].some((name) => (pair.evidence[name]?.log_ratio ?? null) !== null);
 }
 

@@ -14,6 +14,8 @@
 #include "kilter/pipeline/pair_schedule.h"
 #include "kilter/pipeline/reconsider_pairs.h"
 #include "kilter/pipeline/submap_store.h"
+#include "kilter/registration/normal_equations.h"
+#include "kilter/verification/cycles.h"
 
 namespace kilter {
 namespace {
@@ -143,6 +145,25 @@ std::vector<JudgedPair> judge_all(const std::vector<PairMeasurement>& measured, 
   return judged;
 }
 
+// Covariances come from one pair each, and know nothing of what bends a submap from pair to pair; closed cycles do.
+// What nothing fixes keeps the prior's variance.
+CycleClosure widen_covariances(const std::vector<PairMeasurement>& measured, std::vector<PairResult>& pairs) {
+  std::vector<RelativePose> poses;
+  for (const PairResult& pair : pairs) {
+    if (pair.trusted && pair.verdict.unobservable.empty())
+      poses.push_back({pair.id, *pair.T_target_source_registered, *pair.covariance});
+  }
+  CycleClosure closure = close_cycles(poses);
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    if (!pairs[i].covariance) continue;
+    const RegistrationResult& registration = *measured[i].evidence.registration;
+    pairs[i].covariance = covariance_in_source(
+        registration.covariance_centre + (closure.covariance_scale - 1.0) * registration.covariance_measured,
+        registration.centre_target_m, registration.T_target_source);
+  }
+  return closure;
+}
+
 void summarise(const std::vector<RobotLog>& robots, BuiltSubmaps& built, Result& result) {
   for (const RobotLog& robot : robots) {
     const std::vector<double> path = path_lengths_m(robot.T_world_cloud);
@@ -223,6 +244,7 @@ Expected<Result> check(const std::vector<RobotLog>& robots, const CheckOptions& 
   result.pairs.reserve(measured.size());
   for (std::size_t i = 0; i < measured.size(); ++i)
     result.pairs.push_back(pair_result(measured[i], judged[i].verdict, options));
+  result.cycles = widen_covariances(measured, result.pairs);
   summarise(robots, submaps, result);
   if (run.fuse_maps) {
     const Stopwatch watch(result.seconds["maps"]);

@@ -15,6 +15,7 @@
 #include "kilter/pipeline/picture.h"
 #include "kilter/submap/fuse_submaps.h"
 #include "kilter/submap/submap.h"
+#include "kilter/verification/cycles.h"
 #include "kilter/verification/verdict.h"
 
 namespace kilter {
@@ -67,6 +68,7 @@ struct Result {
   std::size_t candidates = 0;          ///< pairs whose widened boxes met, sequential ones not counted
   std::size_t too_little_overlap = 0;  ///< of these, neither measured nor predicted overlap passed the gate: not listed
   MapVerdict system;
+  CycleClosure cycles;  ///< of the trusted registrations; their covariances are widened by its scale already
   std::vector<FusedMap> maps;
   std::optional<Picture> picture;         ///< if it was asked for
   std::map<std::string, double> seconds;  ///< by stage; differs from run to run

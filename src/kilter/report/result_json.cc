@@ -203,7 +203,11 @@ void write_system(JsonWriter& json, const Result& result) {
   json.key("decided").open_object(Layout::kCompact);
   json.field("sequential", system.decided.sequential).field("local", system.decided.local);
   write_map(json, "global", system.decided.global);
-  json.close().close();
+  json.close();
+  json.key("cycles").open_object(Layout::kCompact);
+  json.field("closed", result.cycles.closed).field("nees_median", result.cycles.nees_median);
+  json.field("covariance_scale", result.cycles.covariance_scale).close();
+  json.close();
 }
 
 }  // namespace

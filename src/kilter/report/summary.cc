@@ -178,10 +178,14 @@ std::string offset_text(const PairVerdict& verdict) {
   return text;
 }
 
-std::string shift_text(const Result& result, const PairResult& pair) {
+// Whether the registration behind a pair's offset is believed: a displacement that is not has no p-value, and where the
+// map's pose is wrong without it, which one is right is open.
+bool is_believed(const PairVerdict& verdict) { return verdict.p_value && !verdict.without_registration; }
+
+// The paper's own test has no p-values and takes registration as it is.
+std::string shift_text(const Result& result, const PairResult& pair, const SummaryOptions& options) {
   if (!pair.verdict.offset_vector_m) return "-";
-  // The map's pose is wrong, but which one is right is open.
-  if (pair.verdict.verdict == Verdict::kInconsistent && pair.verdict.without_registration) return "not known";
+  if (!options.papers_test && !is_believed(pair.verdict)) return "not known";
   const Pose3& T_world_target = result.submap(pair.id.target).T_world_submap;
   const Eigen::Vector3d shift_cm = T_world_target.rotation() * *pair.verdict.offset_vector_m * 100.0;
   const int decimals = shift_cm.norm() < 10.0 ? 1 : 0;
@@ -199,7 +203,7 @@ std::vector<const PairResult*> worst_pairs(const Result& result, std::size_t cou
   const auto badness = [](const PairResult& pair) {
     const bool inconsistent = pair.verdict.verdict == Verdict::kInconsistent;
     const double offset_m = pair.verdict.offset_m.value_or(0.0);
-    return std::tuple(inconsistent, offset_m);
+    return std::tuple(inconsistent, inconsistent || is_believed(pair.verdict), offset_m);
   };
   std::stable_sort(pairs.begin(), pairs.end(),
                    [&](const PairResult* a, const PairResult* b) { return badness(*a) > badness(*b); });
@@ -207,7 +211,7 @@ std::vector<const PairResult*> worst_pairs(const Result& result, std::size_t cou
   return pairs;
 }
 
-std::array<std::string, 6> worst_row(const Result& result, const PairResult& pair) {
+std::array<std::string, 6> worst_row(const Result& result, const PairResult& pair, const SummaryOptions& options) {
   const char mark = pair.verdict.verdict == Verdict::kInconsistent ? '!'
                     : pair.verdict.verdict == Verdict::kUnverified ? '?'
                                                                    : ' ';
@@ -218,13 +222,13 @@ std::array<std::string, 6> worst_row(const Result& result, const PairResult& pai
           std::string(to_string(pair.kind)),
           offset_text(pair.verdict),
           degrees,
-          shift_text(result, pair),
+          shift_text(result, pair, options),
           "p " + probability_text(pair.verdict.p_inconsistent)};
 }
 
-void add_worst(Lines& lines, const Result& result) {
+void add_worst(Lines& lines, const Result& result, const SummaryOptions& options) {
   std::vector<std::array<std::string, 6>> rows;
-  for (const PairResult* pair : worst_pairs(result, 5)) rows.push_back(worst_row(result, *pair));
+  for (const PairResult* pair : worst_pairs(result, 5)) rows.push_back(worst_row(result, *pair, options));
   if (rows.empty()) return;
   lines.push_back(fmt::format("{}, target <- source (! inconsistent, ? unverified): offset, 95 % interval, rotation,",
                               result.system.state == MapState::kInconsistent ? "Worst pairs" : "Largest offsets"));
@@ -240,14 +244,33 @@ void add_worst(Lines& lines, const Result& result) {
   }
 }
 
+// Of the inconsistent pairs, those that gave a constraint.
+std::string how_to_mend(const Result& result, const std::string& folder) {
+  std::size_t constraints = 0;
+  for (const PairResult& pair : result.pairs) {
+    constraints += pair.verdict.verdict == Verdict::kInconsistent && pair.trusted ? 1 : 0;
+  }
+  if (constraints == 0) {
+    return fmt::format(
+        "no correction of a pair that disagrees can be believed, so {0}/constraints.g2o does not mend it; the column "
+        "`reason` of {0}/pairs.csv says why",
+        folder);
+  }
+  const std::string few = 2 * constraints < result.system.inconsistent
+                              ? fmt::format(" (constraints for {} of the {})", constraints, result.system.inconsistent)
+                              : std::string();
+  return fmt::format("give {0}/constraints.g2o{1} to the optimiser, then check its poses with --poses NEW --cuts {0}",
+                     folder, few);
+}
+
 std::string next_step(const Result& result, const SummaryOptions& options, bool some_never_meet) {
   const std::string folder = printable(options.output_folder, 60);
   switch (result.system.state) {
     case MapState::kConsistent:
+      if (options.papers_test) return "the paper's test compares pairs with each other, not with a length in metres";
       return fmt::format("nothing to mend above {:.2f} m; a smaller tolerance asks for more", options.tolerance_m);
     case MapState::kInconsistent:
-      return fmt::format("give {0}/constraints.g2o to the optimiser, then check its poses with --poses NEW --cuts {0}",
-                         folder);
+      return how_to_mend(result, folder);
     case MapState::kUndetermined:
       if (result.pairs.empty()) return "a map can only be compared with itself where it shows a place twice";
       return some_never_meet ? "send robots that never meet through a place that both see, or check them one by one"
@@ -268,7 +291,7 @@ std::string summary(const Result& result, const SummaryOptions& options) {
   add_reasons(lines, result);
   const std::vector<std::string> never = robots_that_never_meet(result);
   if (!never.empty()) add_labelled(lines, "Never meet", fmt::format("{}", fmt::join(never, "; ")), 1);
-  add_worst(lines, result);
+  add_worst(lines, result, options);
   add_labelled(lines, "Next", next_step(result, options, !never.empty()), 2);
   return fmt::format("{}\n", fmt::join(lines, "\n"));
 }

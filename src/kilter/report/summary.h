@@ -12,6 +12,7 @@ namespace kilter {
 /// How the summary is told.
 struct SummaryOptions {
   double tolerance_m = 0.1;                  ///< that the verdicts are about
+  bool papers_test = false;                  ///< verdicts rest on Gamma alone, which knows no tolerance
   bool colour = false;                       ///< ANSI colours; nothing is said by colour alone
   std::vector<std::string> sources;          ///< what was recognised, e.g. "GLIM dump, 214 submaps, 1 robot"
   std::string output_folder = "kilter-out";  ///< where the files are, for what to do next
@@ -23,9 +24,10 @@ inline constexpr int kSummaryColumns = 100;  ///< at most, colour codes not coun
 /// The result as a person reads it at the end of a run: plain text, the verdict first, then what it rests on, the five
 /// worst pairs, what was left out and what to do next.
 ///
-/// Worst are the inconsistent pairs by log-odds, then all others by offset. A pair's row shows its RMS offset with the
-/// 95 % interval, the rotation, and the *shift*: how far the source submap would have to move, along x, y and z of the
-/// world frame, to lie where registration finds it (offset_vector turned from the target's axes by the map's pose).
+/// Worst are the inconsistent pairs, then those whose registration is believed, then the others; each by offset. A
+/// pair's row shows its RMS offset with the 95 % interval, the rotation, and the *shift*: how far the source submap
+/// would have to move, along x, y and z of the world frame, to lie where registration finds it (offset_vector turned
+/// from the target's axes by the map's pose), or that it is not known where that registration is not believed.
 [[nodiscard]] std::string summary(const Result& result, const SummaryOptions& options = {});
 
 }  // namespace kilter

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "kilter/report/summary.h"
 
+#include <algorithm>
 #include <sstream>
 
 #include <gmock/gmock.h>
@@ -100,6 +101,42 @@ TEST(Summary, NoShiftIsToldWhereNobodyKnowsTheRightOne) {
   const std::string text = summary(result);
   EXPECT_THAT(text, HasSubstr("43 cm [39, 47]     1.7 deg  not known "));
   EXPECT_THAT(text, HasSubstr("x+2.0 y+0.0 z+0.0"));
+}
+
+TEST(Summary, ARegistrationThatIsNotBelievedTellsNoShiftAndComesLast) {
+  Result result = testing::small_result();
+  PairResult& doubted = result.pairs[2];
+  doubted.verdict = result.pairs[1].verdict;
+  doubted.verdict.verdict = Verdict::kUnverified;
+  doubted.verdict.offset_m = 3.2;  // the storey above
+  doubted.verdict.p_value.reset();
+  const std::string text = summary(result);
+  const std::size_t at = line_with(text, "320 cm");
+  EXPECT_THAT(lines_of(text)[at], HasSubstr("not known"));
+  EXPECT_LT(line_with(text, "2.0 cm [1.0, 3.0]"), at);
+}
+
+TEST(Summary, AdvisesTheOptimiserOnlyIfThereIsAConstraintToGiveIt) {
+  Result result = testing::small_result();
+  const auto disagreeing = [&]() -> PairResult& {
+    return *std::find_if(result.pairs.begin(), result.pairs.end(),
+                         [](const PairResult& pair) { return pair.verdict.verdict == Verdict::kInconsistent; });
+  };
+  disagreeing().trusted = true;
+  EXPECT_THAT(summary(result), HasSubstr("Next        give kilter-out/constraints.g2o to the optimiser"));
+  result.system.inconsistent = 3;
+  EXPECT_THAT(summary(result), HasSubstr("(constraints for 1 of the 3)"));
+  disagreeing().trusted = false;
+  EXPECT_THAT(summary(result), HasSubstr("Next        no correction of a pair that disagrees can be believed"));
+}
+
+TEST(Summary, ThePapersTestKnowsNoTolerance) {
+  Result result = testing::small_result();
+  result.system.state = MapState::kConsistent;
+  SummaryOptions options;
+  EXPECT_THAT(summary(result, options), HasSubstr("nothing to mend above 0.10 m"));
+  options.papers_test = true;
+  EXPECT_THAT(summary(result, options), Not(HasSubstr("nothing to mend")));
 }
 
 TEST(Summary, InconsistentPairsComeBeforeLargerOffsetsThatAreNot) {

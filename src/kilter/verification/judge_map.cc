@@ -113,9 +113,7 @@ DecidedShares decided_shares(const std::vector<JudgedPair>& pairs, std::span<con
     if (pair.kind == PairKind::kGlobal) global[robots_key(pair, robots)].add(pair);
   }
   DecidedShares shares;
-  const bool has_sequential =
-      std::any_of(pairs.begin(), pairs.end(), [](const auto& pair) { return pair.kind == PairKind::kSequential; });
-  if (has_sequential) shares.sequential = sequential.value();
+  if (sequential.overlapping > 0) shares.sequential = sequential.value();
   if (local.overlapping > 0) shares.local = local.value();
   for (const auto& [key, share] : global) shares.global[key] = share.value();
   return shares;
@@ -125,6 +123,8 @@ DecidedShares decided_shares(const std::vector<JudgedPair>& pairs, std::span<con
 std::string undecided(const DecidedShares& shares, const std::vector<JudgedPair>& pairs,
                       std::span<const std::string> robots, const JudgeOptions& options) {
   if (pairs.empty()) return "nothing to compare: no two submaps could show the same place";
+  if (std::none_of(pairs.begin(), pairs.end(), [](const JudgedPair& pair) { return pair.overlaps; }))
+    return "nothing to compare: no two submaps show enough of the same place";
   const auto too_few = [&](double share) { return share < options.min_decided; };
   for (const auto& of_robots : shares.global) {
     const std::string& key = of_robots.first;  // clang 14 lets no lambda capture a structured binding
@@ -138,6 +138,9 @@ std::string undecided(const DecidedShares& shares, const std::vector<JudgedPair>
     return meet ? fmt::format("only {:.0f} % of what robots {} both saw could be decided", 100.0 * share, names)
                 : fmt::format("robots {} never meet", names);
   }
+  const bool has_sequential =
+      std::any_of(pairs.begin(), pairs.end(), [](const auto& pair) { return pair.kind == PairKind::kSequential; });
+  if (has_sequential && !shares.sequential) return "no two submaps in a row show enough of the same place";
   if (shares.sequential && too_few(*shares.sequential)) {
     return fmt::format("only {:.0f} % of the overlapping sequential pairs could be decided",
                        100.0 * *shares.sequential);

@@ -222,6 +222,10 @@ TEST(JudgePair, WhereAnotherPoseFitsFarBetterTheMapIsWrongWhicheverIsRight) {
   EXPECT_TRUE(found.verdict.evidence.at("support").log_ratio);
   EXPECT_EQ(among(8).verdict.verdict, Verdict::kUnverified);
   EXPECT_FALSE(judged(pair_moved(0.6, 0.01)).verdict.evidence.at("support").log_ratio) << "where registration decides";
+  pair.registered->conflict = {{1000, 21}, {1000, 20}};
+  pair.registration->support_end = 1000000;
+  EXPECT_EQ(among(3).verdict.verdict, Verdict::kUnverified) << "the storey above fits, but in free space";
+  pair.registered->conflict = pair.map.conflict;
   pair.registration->support_end = pair.registration->support_start * 5 / 4;
   EXPECT_EQ(among(3).verdict.verdict, Verdict::kUnverified) << "too little gained";
   pair = pair_moved(0.08, 0.001);
@@ -268,13 +272,17 @@ TEST(JudgePair, AGainOfAHandfulIsChance) {
 // A storey below looks like the one above: planes fit there, but walls then stand where the other submap saw through.
 TEST(JudgePair, AMoveThatFreeSpaceSpeaksAgainstHasToFitFarBetter) {
   PairEvidence pair = pair_moved(0.3, 0.01);
-  pair.map.conflict = {{1000, 0}, {1000, 0}};
-  pair.registered->conflict = {{1000, 10}, {1000, 10}};
+  pair.map.conflict = {{1000, 10}, {1000, 10}};
+  pair.registered->conflict = {{1000, 12}, {1000, 12}};
   pair.registration->support_end = pair.registration->support_start * 2;
   EXPECT_EQ(verdict_of(pair), Verdict::kUnverified);
   EXPECT_NE(judged(pair).verdict.reason.find("conflicts more there"), std::string::npos) << judged(pair).verdict.reason;
   pair.registration->support_end = pair.registration->support_start * 4;
   EXPECT_EQ(verdict_of(pair), Verdict::kInconsistent);
+  pair.registered->conflict = {{1000, 20}, {1000, 20}};
+  pair.registration->support_end = pair.registration->support_start * 1000;
+  EXPECT_EQ(verdict_of(pair), Verdict::kUnverified) << "the ceiling below a floor fits as well as floors do";
+  EXPECT_LT(*judged(pair).verdict.p_inconsistent, 0.2) << "right poses are left for such places, too";
 }
 
 // Right poses are seldom left, so having left says something even of a registration that settled in the wrong place.
@@ -282,7 +290,7 @@ TEST(JudgePair, ARegistrationThatIsNotBelievedSaysLittleOfTheProbability) {
   PairEvidence pair = pair_moved(0.6, 0.01);
   pair.registered->overlap = 0.3;  // lost
   const PairVerdict doubted = judge_pair(pair, {}, {});
-  EXPECT_NEAR(*doubted.log_odds, std::log(100.0 * 0.05 / 0.95), 0.01);
+  EXPECT_NEAR(*doubted.log_odds, std::log(20.0 * 0.05 / 0.95), 0.01);
   EXPECT_FALSE(doubted.p_value);
   EXPECT_NEAR(*doubted.log_odds, *doubted.evidence.at("disagreement").log_ratio + std::log(0.05 / 0.95), 1e-12);
   PairEvidence still = pair_moved(0.01, 0.01);

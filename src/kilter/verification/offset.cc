@@ -84,6 +84,13 @@ LogTails log_tails(const OffsetEstimate::SquareLaw& law, double limit_m) {
   return {log_normal_tail(z), log_normal_tail(-z)};
 }
 
+LogTails log_tails_with_hidden(const OffsetEstimate::SquareLaw& measured, const OffsetEstimate::SquareLaw& with_prior,
+                               double limit_m) {
+  const LogTails seen = log_tails(measured, limit_m);
+  const LogTails all = log_tails(with_prior, limit_m);
+  return {std::max(seen.above, all.above), std::min(seen.below, all.below)};
+}
+
 double offset_quantile_m(const OffsetEstimate::SquareLaw& law, double tail) {
   KILTER_EXPECTS(tail > 0.0 && tail < 1.0);
   const double share = law.variance_m4 / (9.0 * law.mean_m2 * law.mean_m2);

@@ -50,6 +50,11 @@ struct LogTails {
 };
 [[nodiscard]] LogTails log_tails(const OffsetEstimate::SquareLaw& law, double limit_m);
 
+/// The same where unfixed directions hide something on top of what was measured, which can only add to it: two moments
+/// do not tell that, and would put some of a wide law below what is known to be there.
+[[nodiscard]] LogTails log_tails_with_hidden(const OffsetEstimate::SquareLaw& measured,
+                                             const OffsetEstimate::SquareLaw& with_prior, double limit_m);
+
 /// Offset that is exceeded with probability `tail`, in (0, 1). [m]
 [[nodiscard]] double offset_quantile_m(const OffsetEstimate::SquareLaw& law, double tail);
 

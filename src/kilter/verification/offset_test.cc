@@ -82,6 +82,22 @@ TEST(EstimateOffset, MovingTheTargetFrameChangesNoLength) {
   EXPECT_NEAR(here.offset_rad, there.offset_rad, 1e-9);
 }
 
+// A tunnel: 25 cm across it are sure, half a metre along it is the prior's.
+TEST(LogTailsWithHidden, WhatNothingFixesOnlyAddsToWhatIsMeasured) {
+  RegistrationResult result = registered(Pose3::from_translation(0.25, 0.0, 0.0), 0.005, 0.0005);
+  result.covariance_centre(1, 1) += 0.25;
+  const OffsetEstimate offset = estimate_offset(result, {});
+  EXPECT_GT(std::exp(log_tails(offset.with_prior, 0.1).below), 0.05) << "two moments know no better";
+  const LogTails tails = log_tails_with_hidden(offset.measured, offset.with_prior, 0.1);
+  EXPECT_LT(tails.below, std::log(1e-6));
+  EXPECT_GT(tails.above, std::log(0.999));
+  // Where next to nothing is measured, what is hidden decides.
+  result = registered(Pose3::from_translation(0.01, 0.0, 0.0), 0.005, 0.0005);
+  result.covariance_centre(1, 1) += 0.25;
+  const OffsetEstimate still = estimate_offset(result, {});
+  EXPECT_EQ(log_tails_with_hidden(still.measured, still.with_prior, 0.1).above, log_tails(still.with_prior, 0.1).above);
+}
+
 TEST(DisagreementLaw, BendsAddTheirSquaresAndTheirDoubt) {
   const OffsetEstimate::SquareLaw offset{0.04, 1e-6};
   const Bend bend{.rms_m = 0.3, .variance_m4 = 4e-6};

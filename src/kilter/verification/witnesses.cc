@@ -25,9 +25,10 @@ constexpr double kLeastGainWithFreeSpace = 1.1;
 constexpr double kLeastConflictGone = 0.02;
 constexpr double kConflictLeft = 0.5;
 // Surfaces that lie apart stand in space that the other submap saw through, so a move in the right direction makes
-// conflict vanish. Where it makes some instead, the storey above or the next aisle may be what fits: the gain has to be
-// overwhelming.
+// conflict vanish. Where it makes some instead, the storey above, the ceiling or the next aisle is what fits, however
+// well. What moved in between conflicts either way, a little more here or there: then the gain has to be overwhelming.
 constexpr double kLeastGainAgainstFreeSpace = 3.0;
+constexpr double kConflictMayGrow = 1.5;
 // Of what both saw, this much may have moved in between.
 constexpr double kMovingShare = 0.2;
 constexpr double kConflictSampling = 0.02;  // standard deviation of such a share
@@ -80,10 +81,13 @@ void decide_without_registration(double p_value, std::string reason, PairVerdict
 
 }  // namespace
 
+bool conflict_grew(const PairEvidence& pair) { return pair.registered->conflict.share() > pair.map.conflict.share(); }
+
 bool fit_improved(const PairEvidence& pair) {
   const double before = pair.map.conflict.share();
   const double after = pair.registered->conflict.share();
-  if (after > before) return support_grew(*pair.registration, kLeastGainAgainstFreeSpace);
+  if (after > kConflictMayGrow * before) return false;
+  if (conflict_grew(pair)) return support_grew(*pair.registration, kLeastGainAgainstFreeSpace);
   const bool conflict_gone = before - after >= kLeastConflictGone && after <= kConflictLeft * before;
   return support_grew(*pair.registration, conflict_gone ? kLeastGainWithFreeSpace : kLeastGain);
 }
@@ -119,7 +123,7 @@ void let_free_space_speak(const PairEvidence& pair, const MapNull& null, const J
 }
 
 void let_better_fit_speak(const PairEvidence& pair, double p_value, PairVerdict& verdict) {
-  if (!stays_in_view(pair) || !fit_improved(pair)) return;
+  if (!stays_in_view(pair) || conflict_grew(pair) || !fit_improved(pair)) return;
   verdict.evidence["support"].log_ratio = verdict.evidence.at("disagreement").log_ratio;
   decide_without_registration(
       std::max(p_value, kLeftForBetter),

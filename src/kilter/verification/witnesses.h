@@ -15,8 +15,12 @@ inline constexpr double kOverlapKept = 0.8;
 inline constexpr double kMaxLogOdds = 1e6;
 
 /// Whether more voxels that face the way moved fit at the registered pose than at the map's, beyond chance; fewer are
-/// enough where conflict vanishes, many are asked for where it grows. Precondition: the pair was registered.
+/// enough where conflict vanishes, many are asked for where it grows a little, and none are enough where it grows by
+/// more. Precondition: the pair was registered.
 [[nodiscard]] bool fit_improved(const PairEvidence& pair);
+
+/// Whether more of what both saw conflicts at the registered pose than at the map's. Precondition: as above.
+[[nodiscard]] bool conflict_grew(const PairEvidence& pair);
 
 /// Makes `log_odds` and `p_inconsistent` of a log likelihood ratio and the prior.
 void set_posterior(double log_ratio, const JudgeOptions& options, PairVerdict& verdict);
@@ -29,7 +33,7 @@ void let_free_space_speak(const PairEvidence& pair, const MapNull& null, const J
 
 /// The same for a pair that was moved by more than the tolerance, which its neighbours contradict: they ask for another
 /// correction, and do not say that none is needed. Where the wide search left the map's pose for one that fits better,
-/// that pose is wrong, whichever is right.
+/// that pose is wrong, whichever is right, unless free space speaks against the move: then it is the storey above.
 /// \param p_value  of the displacement, were it believed
 void let_better_fit_speak(const PairEvidence& pair, double p_value, PairVerdict& verdict);
 
