@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "kilter/matching/conflict.h"
 #include "kilter/registration/coarse_search.h"
@@ -37,6 +38,12 @@ constexpr int kWideIterations = 18;
 constexpr double kLeastCoarseShare = 0.6;  // of the best coarse score, to be descended from
 constexpr double kConflictCost = 3.0;      // voxels of support that one conflicting voxel outweighs
 constexpr double kHomeBonus = 1.2;         // the map's own basin is left for something clearly better only
+// And never for what merely overlaps more: of what both saw, home supports nearly as large a share, and at most half as
+// much of it conflicts. Not where home is a fringe that both saw by chance.
+constexpr double kSameSupport = 0.8;
+constexpr double kFringe = 0.3;  // of the support elsewhere
+constexpr double kConflictAtHome = 0.5;
+constexpr double kLeastConflictMore = 0.005;
 constexpr double kWideRefinement_m = 1.0;  // a coarse pose is good to a cell or two
 constexpr double kWideTurn_rad = 0.05;
 constexpr double kMostRise_m = 1.0;         // vertically; lidar poses drift less in height
@@ -251,7 +258,17 @@ struct Optimum {
   /// Voxels that a plane supports, less kConflictCost for each that stands where the other submap saw through: a pose
   /// that merely overlaps more gathers support, and conflict with it.
   double worth = 0.0;
+  double support = 0.0;        ///< voxels
+  double support_share = 0.0;  ///< of what both saw
+  double conflict_share = 0.0;
 };
+
+// Of two that look alike, aisles or storeys, the one that overlaps more gathers more support, though it conflicts.
+bool merely_overlaps_more(const Optimum& other, const Optimum& home) {
+  return home.support >= kFringe * other.support && home.support_share >= kSameSupport * other.support_share &&
+         home.conflict_share <= kConflictAtHome * other.conflict_share &&
+         other.conflict_share - home.conflict_share >= kLeastConflictMore;
+}
 
 Optimum judged(PlanePair& pair, const Descent& descent, const RegistrationOptions& options) {
   const double resolution_m = pair.target_map().resolution_m();
@@ -264,7 +281,9 @@ Optimum judged(PlanePair& pair, const Descent& descent, const RegistrationOption
                                                    kConflictMarginVoxels * resolution_m, stride);
   const std::size_t conflicting = conflict.source_in_target.conflicting + conflict.target_in_source.conflicting;
   const double worth = static_cast<double>(support) - kConflictCost * static_cast<double>(conflicting);
-  return {descent, worth * static_cast<double>(stride)};
+  const auto known = static_cast<double>(std::max<std::size_t>(conflict.known(), 1));
+  return {descent, worth * static_cast<double>(stride), static_cast<double>(support * stride),
+          static_cast<double>(support) / known, conflict.share()};
 }
 
 // RMS over points at the source's own spread would need them all; its box is near enough to tell optima apart.
@@ -307,6 +326,7 @@ RegistrationResult align_widely(const NearestVoxelSearch& source, const NearestV
   quick.max_points = std::min(options.max_points, kWidePoints);
   quick.max_iterations = std::min(options.max_iterations, kWideIterations);
   std::vector<Optimum> optima;
+  std::optional<Optimum> home;
   for (const Pose3& from : starts) {
     // A coarse pose is a cell or two off; from the map's own pose the whole way is open.
     const double range_m = from.translation_m() == start.translation_m() ? reach_m : kWideRefinement_m;
@@ -321,8 +341,13 @@ RegistrationResult align_widely(const NearestVoxelSearch& source, const NearestV
       return apart_m(source.map(), other.descent.T, descent.T) < kSameVoxels * resolution_m;
     });
     if (known) continue;
-    optima.push_back(judged(pair, descent, options));
-    if (&from == &starts.front() && optima.back().worth > 0.0) optima.back().worth *= kHomeBonus;
+    Optimum found = judged(pair, descent, options);
+    if (home && merely_overlaps_more(found, *home)) continue;
+    if (&from == &starts.front() && found.worth > 0.0) {
+      found.worth *= kHomeBonus;
+      home = found;
+    }
+    optima.push_back(found);
   }
   if (optima.empty()) {
     RegistrationResult result;

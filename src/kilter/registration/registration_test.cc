@@ -69,6 +69,32 @@ TEST(AlignWidely, StaysWhereTheMapIsRight) {
   EXPECT_LT((pair.T_target_source.inverse() * result.T_target_source).translation_m().norm(), 0.02);
 }
 
+// Rows of shelves, 4 m apart, seen from two neighbouring aisles. One aisle laid over the other overlaps in all that was
+// seen, right poses only in the row between them; but pallets stand in the one where the other was seen to be free.
+TEST(AlignWidely, DoesNotLeaveTheMapForAnAisleThatMerelyOverlapsMore) {
+  testing::Scene hall = {{{-6.0, -6.0, -0.2}, {26.0, 18.0, 0.0}}};
+  for (const double y : {2.0, 6.0, 10.0}) {
+    for (int bay = 0; bay < 8; ++bay) {
+      const double x = 2.5 * bay + (bay % 3 == 0 ? 0.4 : 0.0);
+      hall.push_back({{x, y - 0.4, 0.0}, {x + 1.9, y + 0.4, bay % 2 == 0 ? 2.4 : 1.7}});
+    }
+  }
+  hall.push_back({{7.0, 3.1, 0.0}, {8.2, 3.7, 0.9}});
+  hall.push_back({{12.5, 8.5, 0.0}, {13.7, 9.1, 0.9}});
+  std::vector<Pose3> first;
+  std::vector<Pose3> second;
+  for (int i = 0; i < 6; ++i) {
+    first.push_back(pose_at(2.0 + 3.0 * i, 4.02, 1.04, 0.01));
+    second.push_back(pose_at(2.3 + 3.0 * i, 7.97, 1.03, -0.01));
+  }
+  const SubmapPair pair{submap_of(hall, first, first[0], 1), submap_of(hall, second, second[0], 2),
+                        first[0].inverse() * second[0]};
+  const RegistrationResult result = run_widely(pair, pose_at(0.3, -0.2, 0.05, 0.02) * pair.T_target_source);
+  ASSERT_TRUE(result.converged()) << to_string(result.stop);
+  EXPECT_LT((pair.T_target_source.inverse() * result.T_target_source).translation_m().norm(), 0.03);
+  EXPECT_FALSE(result.ambiguous()) << "what conflicts is no rival";
+}
+
 TEST(AlignWidely, FindsNothingWhereNothingStands) {
   const SubmapPair pair = room_pair();
   const RegistrationResult result = run_widely(pair, pose_at(60.0, 0.0, 0.0, 0.0) * pair.T_target_source);
