@@ -9,6 +9,7 @@ import csv
 import json
 import os
 import pty
+import re
 import resource
 import signal
 import struct
@@ -300,17 +301,39 @@ class Trouble(CheckCase):
         self.assertEqual(status, 143, messages)
         self.assertFalse(self.out.exists())
 
-    def test_a_full_disk_leaves_the_old_result_and_no_fragments(self):
-        self.check()
-        before = (self.out / "result.json").read_bytes()
-        command = [str(kilter_binary()), "check", str(self.tiny.mission), "-o", str(self.out), "--set", "tolerance=0.2"]
-        limit = lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (4096, 4096))  # noqa: E731
+    def on_a_full_disk(self) -> None:
+        """A run with another verdict of which the small files could be written and the large ones cannot."""
+        command = [str(kilter_binary()), "check", str(self.tiny.mission), "-o", str(self.out), "--set", "tolerance=0.2",
+                   *self.settings]
+        limit = lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (400 * 1024, 400 * 1024))  # noqa: E731
         run = subprocess.run(command, capture_output=True, text=True, preexec_fn=limit, check=False)
         self.assertEqual(run.returncode, 5, run.stderr)
-        self.assertRegex(run.stderr, r"(?m)^no-space: ")
+        self.assertRegex(run.stderr, r"(?m)^no-space: " + re.escape(str(self.out)) + "/[a-z]+\\.[a-z]+: ")
         self.assertEqual(run.stdout, "")
-        self.assertEqual((self.out / "result.json").read_bytes(), before)
-        self.assertEqual({path.name for path in self.out.iterdir()}, FILES)
+
+    def test_a_full_disk_leaves_the_old_result_and_no_fragments(self):
+        self.check()
+        before = {path.name: path.read_bytes() for path in self.out.iterdir()}
+        self.on_a_full_disk()
+        self.assertEqual(set(before), FILES)
+        after = {path.name: path.read_bytes() for path in self.out.iterdir()}
+        self.assertEqual([name for name in before if after.pop(name) != before[name]], [])
+        self.assertEqual(after, {})
+
+    def test_a_full_disk_leaves_nothing_where_nothing_was(self):
+        self.on_a_full_disk()
+        self.assertFalse(self.out.exists())
+
+    def test_a_folder_in_the_place_of_a_file_is_refused_before_any_work(self):
+        for name in sorted({*FILES, "maps/a.ply", "maps/a.ot", "maps/global.ply", "maps/global.ot"}):
+            with self.subTest(name):
+                (self.out / name).mkdir(parents=True)
+                run = self.check("--verbose", "--maps")
+                self.assertEqual(run.status, 5)
+                self.assertRegex(run.stderr, rf"^io: {re.escape(str(self.out / name))}: ")
+                self.assertNotIn("submaps", run.stderr)
+                self.assertEqual([path for path in self.out.rglob("*") if path.is_file()], [])
+                (self.out / name).rmdir()
 
     def test_no_place_for_what_memory_leaves_out_is_said_and_ends_with_5(self):
         run = self.check("--memory", "2M", environment={"TMPDIR": "/no/such/folder"})

@@ -185,6 +185,20 @@ void add_map(std::vector<OutputFile>& files, const FusedMap& map, const Result& 
   }
 }
 
+// What output_files will be called, found out before any work.
+std::vector<std::filesystem::path> output_names(const CheckCommand& command, const Mission& mission) {
+  std::vector<std::filesystem::path> names = {
+      "pairs.csv",       "gamma.csv",    "theta.csv", "verified.csv", "gamma.png",     "theta.png",  "verified.png",
+      "constraints.g2o", "coloured.ply", "map.png",   "report.html",  "result.kilter", "result.json"};
+  if (!command.maps) return names;
+  std::vector<std::string> maps = {"global"};
+  for (const RobotLog& robot : mission.robots) maps.push_back(robot.name);
+  for (const std::string& map : maps) {
+    for (const char* extension : {".ply", ".ot"}) names.push_back(std::filesystem::path("maps") / (map + extension));
+  }
+  return names;
+}
+
 std::vector<OutputFile> output_files(const CheckCommand& command, const Result& result, const std::string& json,
                                      const ConfigEcho& config, double tolerance_m) {
   std::vector<OutputFile> files = {
@@ -254,7 +268,9 @@ void print_notes_before(const Job& job) {
 int run_check(const CheckCommand& command) {
   Expected<Job> job = open_job(command);
   if (!job) return print_error(job.error());
-  if (auto fit = probe_output_folder(command.output_folder); !fit) return refuse_output(fit.error());
+  if (auto fit = probe_output_folder(command.output_folder, output_names(command, job->mission)); !fit) {
+    return refuse_output(fit.error());
+  }
   if (!command.common.quiet) print_notes_before(*job);
   catch_stop_signals();
   const Expected<Result> result = run_job(command, *job);

@@ -4,9 +4,9 @@
 
 #include <system_error>
 
-#include <fmt/format.h>
 #include <unistd.h>
 
+#include "apps/kilter/staging_folder.h"
 #include "kilter/io/file.h"
 
 namespace kilter::app {
@@ -18,18 +18,24 @@ tl::unexpected<Error> refuse(const fs::path& path, const std::string& message) {
   return fail(ErrorCode::kIo, message, shown(path), "name another folder with -o");
 }
 
-Expected<void> make_folder(const fs::path& folder) {
+// A file can get its name where a file or a link stands already; a folder inside `folder` must be one.
+Expected<void> check_name(const fs::path& folder, const fs::path& name) {
   std::error_code error;
-  fs::create_directories(folder, error);
-  if (!error) return {};
-  const bool full = error == std::errc::no_space_on_device;
-  return fail(full ? ErrorCode::kNoSpace : ErrorCode::kIo, fmt::format("cannot be made: {}", error.message()),
-              shown(folder));
+  if (name.has_parent_path()) {
+    const fs::path inner = folder / name.parent_path();
+    const fs::file_type found = fs::symlink_status(inner, error).type();
+    if (found == fs::file_type::symlink) return refuse(inner, "this is a symlink, and nothing is written through it");
+    if (found != fs::file_type::directory && found != fs::file_type::not_found) {
+      return refuse(inner, "expected a folder to write to, found something else");
+    }
+  }
+  if (fs::symlink_status(folder / name, error).type() != fs::file_type::directory) return {};
+  return refuse(folder / name, "a folder stands where a file is to be written");
 }
 
 }  // namespace
 
-Expected<void> probe_output_folder(const fs::path& folder) {
+Expected<void> probe_output_folder(const fs::path& folder, const std::vector<fs::path>& names) {
   if (folder.empty()) return refuse(folder, "expected the name of a folder to write to, found nothing");
   fs::path existing = folder.lexically_normal();
   std::error_code error;
@@ -40,23 +46,24 @@ Expected<void> probe_output_folder(const fs::path& folder) {
   if (!fs::is_directory(existing, error))
     return refuse(existing, "expected a folder to write to, found something else");
   if (::access(existing.c_str(), W_OK | X_OK) != 0) return refuse(existing, "this folder may not be written to");
+  for (const fs::path& name : names) {
+    if (auto fit = check_name(folder, name); !fit) return fit;
+  }
   return {};
 }
 
 Expected<void> write_output_folder(const fs::path& folder, const std::vector<OutputFile>& files) {
-  if (auto made = make_folder(folder); !made) return made;
+  std::vector<fs::path> names;
   for (const OutputFile& file : files) {
-    const fs::path path = folder / file.name;
-    if (file.name.has_parent_path()) {
-      std::error_code error;
-      if (fs::is_symlink(fs::symlink_status(path.parent_path(), error))) {
-        return refuse(path.parent_path(), "this is a symlink, and nothing is written through it");
-      }
-      if (auto made = make_folder(path.parent_path()); !made) return made;
-    }
-    if (auto written = write_file_atomically(path, file.bytes); !written) return written;
+    if (auto fit = check_name(folder, file.name); !fit) return fit;
+    names.push_back(file.name);
   }
-  return {};
+  const Expected<StagingFolder> staging = StagingFolder::make_in(folder);
+  if (!staging) return pass_up(staging.error());
+  for (const OutputFile& file : files) {
+    if (auto written = staging->write(file.name, file.bytes); !written) return written;
+  }
+  return staging->publish(names);
 }
 
 }  // namespace kilter::app

@@ -16,13 +16,15 @@ struct OutputFile {
   std::string bytes;
 };
 
-/// Whether `folder` could be written to, found out before hours of work and without making anything: it is a folder, or
-/// the nearest of its parents that exists is. \return kIo.
-[[nodiscard]] Expected<void> probe_output_folder(const std::filesystem::path& folder);
+/// Whether files of these names could be written to `folder`, found out before hours of work and without making
+/// anything: it is a folder, or the nearest of its parents that exists is, and no folder has the name of a file, nor
+/// anything else that of a folder inside it. \return kIo.
+[[nodiscard]] Expected<void> probe_output_folder(const std::filesystem::path& folder,
+                                                 const std::vector<std::filesystem::path>& names = {});
 
-/// Makes the folder where it is missing and writes the files in the order given, each beside its final name and then
-/// renamed, so that no reader finds half of one. Files of others stay; a symlink in the place of a file is replaced,
-/// one in the place of a folder inside `folder` is refused. \return kIo, kNoSpace; files before the failing one stay.
+/// Makes the folder where it is missing and writes the files: all of them first, then each is renamed, in the order
+/// given, so that no reader finds half of one and a full disk changes nothing. Files of others stay; a symlink in the
+/// place of a file is replaced, one in the place of a folder inside `folder` is refused. \return kIo, kNoSpace.
 [[nodiscard]] Expected<void> write_output_folder(const std::filesystem::path& folder,
                                                  const std::vector<OutputFile>& files);
 

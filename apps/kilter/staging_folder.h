@@ -1,0 +1,43 @@
+// SPDX-FileCopyrightText: The kilter authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <filesystem>
+#include <string_view>
+#include <vector>
+
+#include "kilter/base/expected.h"
+
+namespace kilter::app {
+
+/// A hidden folder inside an output folder, where a run writes everything before anything gets its final name. What is
+/// still in it when it goes, is removed; and so is the output folder, if it was made for this and nothing came of it.
+class StagingFolder {
+ public:
+  /// Makes `folder` where it is missing, and the hidden one in it. \return kIo, kNoSpace.
+  [[nodiscard]] static Expected<StagingFolder> make_in(const std::filesystem::path& folder);
+
+  StagingFolder(const StagingFolder&) = delete;
+  StagingFolder(StagingFolder&& other) noexcept;
+  StagingFolder& operator=(const StagingFolder&) = delete;
+  StagingFolder& operator=(StagingFolder&&) = delete;
+  ~StagingFolder();
+
+  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+
+  /// Writes a file that waits for its name, relative to the output folder. \return kIo, kNoSpace with the final name.
+  [[nodiscard]] Expected<void> write(const std::filesystem::path& name, std::string_view bytes) const;
+
+  /// Gives what waits its final names, in the order given; files and symlinks that stand there are replaced, and
+  /// folders above them made. \return kIo, kNoSpace; what was renamed before the failing one stays.
+  [[nodiscard]] Expected<void> publish(const std::vector<std::filesystem::path>& names) const;
+
+ private:
+  StagingFolder(std::filesystem::path folder, std::filesystem::path path, bool made_folder);
+
+  std::filesystem::path folder_;
+  std::filesystem::path path_;  // empty: moved away
+  bool made_folder_;
+};
+
+}  // namespace kilter::app
