@@ -57,7 +57,7 @@ class MalformedCorpus(unittest.TestCase):
     def setUpClass(cls) -> None:
         cls.tiny = cls.enterClassContext(TinyMission())
         cls.root = cls.tiny.folder / "corpus"
-        cls.out = cls.tiny.folder / "out"
+        cls.out = cls.tiny.folder / "out.html"  # a folder for check, a page for report
         cls.mission = cls.tiny.copy("good")  # robot a with three scans
         cls.cases = [(case, case.write(cls.root)) for case in write.all_cases()]
 

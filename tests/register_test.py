@@ -107,6 +107,19 @@ class RegisterTest(unittest.TestCase):
         (self.root / "empty.bin").write_bytes(b"")
         self.assertEqual(run_kilter("register", self.root / "target.bin", self.root / "empty.bin").status, 3)
 
+    def test_never_writes_onto_its_inputs_or_what_is_no_ply(self):
+        (self.root / "aligned-link.ply").symlink_to(self.root / "source.bin")
+        before = (self.root / "source.bin").read_bytes()
+        for name, words in (("source.bin", "ends in .ply"), ("target.bin", "ends in .ply"), ("new", "ends in .ply"),
+                            ("", "ends in .ply"), ("aligned-link.ply", "would be overwritten")):
+            done = self.register("-o", self.root / name if name else "")
+            self.assertEqual((done.status, done.stdout), (2, ""), name)
+            self.assertIn(words, done.stderr)
+        self.assertEqual((self.root / "source.bin").read_bytes(), before)
+        self.assertFalse((self.root / "new").exists())
+        # What cannot be read is told of first only where the output's name is all right.
+        self.assertEqual(run_kilter("register", self.root / "none.bin", self.root / "none.bin", "-o", "x.ply").status, 3)
+
     def test_says_so_when_nothing_meets(self):
         write_bin(self.root / "far.bin", [(p[0] + 500, p[1], p[2]) for p in room()])
         done = run_kilter("register", self.root / "target.bin", self.root / "far.bin", "--json")

@@ -62,6 +62,19 @@ class Report(unittest.TestCase):
         self.assertEqual(run.status, 5, run.stderr)
         self.assertEqual(run_kilter("report", self.out).status, 2)
 
+    def test_a_page_never_takes_the_place_of_what_it_is_made_of(self):
+        archive = self.out / "result.kilter"
+        before = archive.read_bytes()
+        linked = self.tiny.folder / "linked.html"
+        linked.symlink_to(archive)
+        for source in (self.out, archive):
+            for page, words in ((archive, "ends in .html"), (self.out, "ends in .html"), (linked, "would be overwritten")):
+                run = run_kilter("report", source, "-o", page)
+                self.assertEqual((run.status, run.stdout), (2, ""), run.stderr)
+                self.assertIn(words, run.stderr)
+        self.assertEqual(archive.read_bytes(), before)
+        self.assertTrue(linked.is_symlink())
+
 
 if __name__ == "__main__":
     main()

@@ -4,6 +4,7 @@
 
 #include <system_error>
 
+#include <fmt/format.h>
 #include <unistd.h>
 
 #include "apps/kilter/staging_folder.h"
@@ -48,6 +49,20 @@ Expected<void> probe_output_folder(const fs::path& folder, const std::vector<fs:
   if (::access(existing.c_str(), W_OK | X_OK) != 0) return refuse(existing, "this folder may not be written to");
   for (const fs::path& name : names) {
     if (auto fit = check_name(folder, name); !fit) return fit;
+  }
+  return {};
+}
+
+Expected<void> check_output_file(const fs::path& file, std::string_view extension,
+                                 const std::vector<fs::path>& inputs) {
+  if (file.extension() != extension) {
+    return fail(ErrorCode::kUsage, fmt::format("expected a file that ends in {}", extension), "-o " + shown(file));
+  }
+  for (const fs::path& input : inputs) {
+    std::error_code error;
+    if (!fs::equivalent(file, input, error)) continue;
+    return fail(ErrorCode::kUsage, fmt::format("{} is read and would be overwritten", shown(input)),
+                "-o " + shown(file), "name another file with -o");
   }
   return {};
 }

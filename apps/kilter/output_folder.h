@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "kilter/base/expected.h"
@@ -21,6 +22,11 @@ struct OutputFile {
 /// anything else that of a folder inside it. \return kIo.
 [[nodiscard]] Expected<void> probe_output_folder(const std::filesystem::path& folder,
                                                  const std::vector<std::filesystem::path>& names = {});
+
+/// Whether one file may be written under a name from the command line: it ends in `extension` (".ply"), and none of the
+/// run's `inputs` stands there. \return kUsage.
+[[nodiscard]] Expected<void> check_output_file(const std::filesystem::path& file, std::string_view extension,
+                                               const std::vector<std::filesystem::path>& inputs);
 
 /// Makes the folder where it is missing and writes the files: all of them first, then each is renamed, in the order
 /// given, so that no reader finds half of one and a full disk changes nothing. Files of others stay; a symlink in the

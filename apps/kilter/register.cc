@@ -15,6 +15,7 @@
 #include "apps/kilter/commands.h"
 #include "apps/kilter/common_options.h"
 #include "apps/kilter/exit_status.h"
+#include "apps/kilter/output_folder.h"
 #include "apps/kilter/terminal.h"
 #include "kilter/io/cloud_file.h"
 #include "kilter/io/file.h"
@@ -128,6 +129,10 @@ Expected<CloudPair> read_clouds(const RegisterCommand& command) {
 int run_register(const RegisterCommand& command) {
   const Expected<Settings> settings = read_settings(command.common);
   if (!settings) return print_error(settings.error());
+  if (command.aligned) {
+    const auto fit = check_output_file(*command.aligned, ".ply", {command.target, command.source});
+    if (!fit) return print_error(fit.error());
+  }
   const Expected<CloudPair> clouds = read_clouds(command);
   if (!clouds) return print_error(clouds.error());
   const Expected<PairMeasurement> pair = register_clouds(*clouds, settings->check, {command.common.jobs, nullptr, {}});

@@ -47,9 +47,12 @@ Expected<void> present(const ReportCommand& command, std::size_t bytes) {
 int run_report(const ReportCommand& command) {
   const Expected<Settings> settings = read_settings(command.common);
   if (!settings) return print_error(settings.error());
-  const Expected<std::string> archive = read_archive_bytes(command.result);
-  if (!archive) return print_error(archive.error());
   const std::filesystem::path path = command.output;
+  const std::filesystem::path result = command.result;
+  const auto fit = check_output_file(path, ".html", {result, result / "result.kilter"});
+  if (!fit) return print_error(fit.error());
+  const Expected<std::string> archive = read_archive_bytes(result);
+  if (!archive) return print_error(archive.error());
   const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : ".";
   const std::string html = report_html(*archive);
   if (auto done = write_output_folder(folder, {{path.filename(), html}}); !done) return refuse_output(done.error());
