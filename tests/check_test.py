@@ -9,8 +9,6 @@ import csv
 import json
 import os
 import pty
-import re
-import resource
 import signal
 import struct
 import subprocess
@@ -219,34 +217,6 @@ class Output(CheckCase):
         self.assertEqual(after["run"]["cuts"], str(self.out))
         self.assertGreater(len(after["submaps"]), 6)
 
-    def test_files_of_others_stay_and_links_are_not_followed(self):
-        self.out.mkdir()
-        (self.out / "notes.txt").write_text("mine")
-        elsewhere = self.tiny.folder / "elsewhere.csv"
-        elsewhere.write_text("precious")
-        (self.out / "pairs.csv").symlink_to(elsewhere)
-        self.assertEqual(self.check().status, 1)
-        self.assertEqual((self.out / "notes.txt").read_text(), "mine")
-        self.assertEqual(elsewhere.read_text(), "precious")
-        self.assertFalse((self.out / "pairs.csv").is_symlink())
-
-    def test_a_link_in_the_place_of_the_maps_folder_is_refused(self):
-        self.out.mkdir()
-        target = self.tiny.folder / "linked"
-        target.mkdir()
-        (self.out / "maps").symlink_to(target)
-        self.assertEqual(self.check("--maps").status, 5)
-        self.assertEqual(list(target.iterdir()), [])
-        self.assertFalse((self.out / "result.json").exists())
-
-    def test_a_file_in_the_place_of_the_output_folder_is_refused_before_any_work(self):
-        self.out.write_text("mine")
-        run = self.check("--verbose")
-        self.assertEqual(run.status, 5)
-        self.assertRegex(run.stderr, r"^io: .*expected a folder")
-        self.assertNotIn("submaps", run.stderr)
-        self.assertEqual(self.out.read_text(), "mine")
-
 
 class Terminal(CheckCase):
     def on_a_terminal(self, *arguments: str, **environment: str) -> str:
@@ -300,40 +270,6 @@ class Trouble(CheckCase):
         status, messages = self.interrupted(signal.SIGTERM)
         self.assertEqual(status, 143, messages)
         self.assertFalse(self.out.exists())
-
-    def on_a_full_disk(self) -> None:
-        """A run with another verdict of which the small files could be written and the large ones cannot."""
-        command = [str(kilter_binary()), "check", str(self.tiny.mission), "-o", str(self.out), "--set", "tolerance=0.2",
-                   *self.settings]
-        limit = lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (400 * 1024, 400 * 1024))  # noqa: E731
-        run = subprocess.run(command, capture_output=True, text=True, preexec_fn=limit, check=False)
-        self.assertEqual(run.returncode, 5, run.stderr)
-        self.assertRegex(run.stderr, r"(?m)^no-space: " + re.escape(str(self.out)) + "/[a-z]+\\.[a-z]+: ")
-        self.assertEqual(run.stdout, "")
-
-    def test_a_full_disk_leaves_the_old_result_and_no_fragments(self):
-        self.check()
-        before = {path.name: path.read_bytes() for path in self.out.iterdir()}
-        self.on_a_full_disk()
-        self.assertEqual(set(before), FILES)
-        after = {path.name: path.read_bytes() for path in self.out.iterdir()}
-        self.assertEqual([name for name in before if after.pop(name) != before[name]], [])
-        self.assertEqual(after, {})
-
-    def test_a_full_disk_leaves_nothing_where_nothing_was(self):
-        self.on_a_full_disk()
-        self.assertFalse(self.out.exists())
-
-    def test_a_folder_in_the_place_of_a_file_is_refused_before_any_work(self):
-        for name in sorted({*FILES, "maps/a.ply", "maps/a.ot", "maps/global.ply", "maps/global.ot"}):
-            with self.subTest(name):
-                (self.out / name).mkdir(parents=True)
-                run = self.check("--verbose", "--maps")
-                self.assertEqual(run.status, 5)
-                self.assertRegex(run.stderr, rf"^io: {re.escape(str(self.out / name))}: ")
-                self.assertNotIn("submaps", run.stderr)
-                self.assertEqual([path for path in self.out.rglob("*") if path.is_file()], [])
-                (self.out / name).rmdir()
 
     def test_no_place_for_what_memory_leaves_out_is_said_and_ends_with_5(self):
         run = self.check("--memory", "2M", environment={"TMPDIR": "/no/such/folder"})

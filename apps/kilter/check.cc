@@ -19,6 +19,7 @@
 #include "apps/kilter/exit_status.h"
 #include "apps/kilter/output_folder.h"
 #include "apps/kilter/signals.h"
+#include "apps/kilter/source_clouds.h"
 #include "apps/kilter/terminal.h"
 #include "kilter/io/archive.h"
 #include "kilter/io/cuts.h"
@@ -268,8 +269,10 @@ void print_notes_before(const Job& job) {
 int run_check(const CheckCommand& command) {
   Expected<Job> job = open_job(command);
   if (!job) return print_error(job.error());
-  if (auto fit = probe_output_folder(command.output_folder, output_names(command, job->mission)); !fit) {
-    return refuse_output(fit.error());
+  const std::vector<std::filesystem::path> names = output_names(command, job->mission);
+  if (auto fit = probe_output_folder(command.output_folder, names); !fit) return refuse_output(fit.error());
+  if (auto fit = check_apart_from_clouds(command.output_folder, names, command.sources, job->mission); !fit) {
+    return print_error(fit.error());
   }
   if (!command.common.quiet) print_notes_before(*job);
   catch_stop_signals();

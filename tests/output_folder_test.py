@@ -1,0 +1,113 @@
+# SPDX-FileCopyrightText: The kilter authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""Where `kilter check` writes: what it refuses to write to, and that nobody's files and no earlier result are harmed."""
+
+from __future__ import annotations
+
+import re
+import resource
+import subprocess
+
+from check_test import FILES, CheckCase
+from kilter_runner import kilter_binary, main, run_kilter
+
+
+class OutputFolder(CheckCase):
+    def test_files_of_others_stay_and_links_are_not_followed(self):
+        self.out.mkdir()
+        (self.out / "notes.txt").write_text("mine")
+        elsewhere = self.tiny.folder / "elsewhere.csv"
+        elsewhere.write_text("precious")
+        (self.out / "pairs.csv").symlink_to(elsewhere)
+        self.assertEqual(self.check().status, 1)
+        self.assertEqual((self.out / "notes.txt").read_text(), "mine")
+        self.assertEqual(elsewhere.read_text(), "precious")
+        self.assertFalse((self.out / "pairs.csv").is_symlink())
+
+    def test_a_link_in_the_place_of_the_maps_folder_is_refused(self):
+        self.out.mkdir()
+        target = self.tiny.folder / "linked"
+        target.mkdir()
+        (self.out / "maps").symlink_to(target)
+        self.assertEqual(self.check("--maps").status, 5)
+        self.assertEqual(list(target.iterdir()), [])
+        self.assertFalse((self.out / "result.json").exists())
+
+    def test_a_file_in_the_place_of_the_output_folder_is_refused_before_any_work(self):
+        self.out.write_text("mine")
+        run = self.check("--verbose")
+        self.assertEqual(run.status, 5)
+        self.assertRegex(run.stderr, r"^io: .*expected a folder")
+        self.assertNotIn("submaps", run.stderr)
+        self.assertEqual(self.out.read_text(), "mine")
+
+    def test_a_folder_in_the_place_of_a_file_is_refused_before_any_work(self):
+        for name in sorted({*FILES, "maps/a.ply", "maps/a.ot", "maps/global.ply", "maps/global.ot"}):
+            with self.subTest(name):
+                (self.out / name).mkdir(parents=True)
+                run = self.check("--verbose", "--maps")
+                self.assertEqual(run.status, 5)
+                self.assertRegex(run.stderr, rf"^io: {re.escape(str(self.out / name))}: ")
+                self.assertNotIn("submaps", run.stderr)
+                self.assertEqual([path for path in self.out.rglob("*") if path.is_file()], [])
+                (self.out / name).rmdir()
+
+    def test_a_folder_that_holds_a_sources_clouds_is_refused(self):
+        mission = self.tiny.copy("guarded", robots="ab")
+        flat = self.tiny.folder / "flat"
+        (flat / "maps").mkdir(parents=True)
+        scans = sorted((mission / "a" / "scans").iterdir())
+        for file in (*scans, mission / "a" / "poses.tum"):
+            (flat / "maps" / file.name).write_bytes(file.read_bytes())
+        (self.tiny.folder / "link").symlink_to(mission / "b" / "scans")
+        for source, out, options in ((mission, mission / "b" / "scans", ()), (mission, self.tiny.folder / "link", ()),
+                                     (mission, mission / "a" / ".." / "b" / "scans", ()), (flat / "maps", flat / "maps", ()),
+                                     (flat / "maps", flat, ("--maps",))):
+            with self.subTest(out=out):
+                before = sorted(self.tiny.folder.rglob("*"))
+                run = run_kilter("check", source, "-o", out, *options, *self.settings)
+                self.assertEqual((run.status, run.stdout), (2, ""), run.stderr)
+                self.assertRegex(run.stderr, "^usage: .*: the clouds of robot (b|maps) lie here\n  try: name another folder")
+                self.assertEqual(sorted(self.tiny.folder.rglob("*")), before)
+        # What lies beside the clouds' folders, or beside a file that is named itself, is not mixed with them.
+        for out in (mission, mission / "a", flat):
+            self.assertIn(run_kilter("check", mission, "-o", out, *self.settings).status, (0, 1, 4))
+        self.assertIn(run_kilter("check", mission, "-o", mission, *self.settings).status, (0, 1, 4))
+
+    def test_a_cloud_that_is_read_is_not_overwritten(self):
+        self.check()
+        cloud = self.out / "coloured.ply"
+        other = self.tiny.folder / "other.ply"
+        other.write_bytes(cloud.read_bytes())
+        before = cloud.read_bytes()
+        run = run_kilter("check", f"a={cloud}", f"b={other}", "-o", self.out)
+        self.assertEqual((run.status, run.stdout), (2, ""), run.stderr)
+        self.assertIn("coloured.ply is read and would be overwritten", run.stderr)
+        self.assertEqual(cloud.read_bytes(), before)
+
+    def on_a_full_disk(self) -> None:
+        """A run with another verdict of which the small files could be written and the large ones cannot."""
+        command = [str(kilter_binary()), "check", str(self.tiny.mission), "-o", str(self.out), "--set", "tolerance=0.2",
+                   *self.settings]
+        limit = lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (400 * 1024, 400 * 1024))  # noqa: E731
+        run = subprocess.run(command, capture_output=True, text=True, preexec_fn=limit, check=False)
+        self.assertEqual(run.returncode, 5, run.stderr)
+        self.assertRegex(run.stderr, r"(?m)^no-space: " + re.escape(str(self.out)) + "/[a-z]+\\.[a-z]+: ")
+        self.assertEqual(run.stdout, "")
+
+    def test_a_full_disk_leaves_the_old_result_and_no_fragments(self):
+        self.check()
+        before = {path.name: path.read_bytes() for path in self.out.iterdir()}
+        self.on_a_full_disk()
+        self.assertEqual(set(before), FILES)
+        after = {path.name: path.read_bytes() for path in self.out.iterdir()}
+        self.assertEqual([name for name in before if after.pop(name) != before[name]], [])
+        self.assertEqual(after, {})
+
+    def test_a_full_disk_leaves_nothing_where_nothing_was(self):
+        self.on_a_full_disk()
+        self.assertFalse(self.out.exists())
+
+
+if __name__ == "__main__":
+    main()
