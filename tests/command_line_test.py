@@ -58,6 +58,27 @@ class Help(unittest.TestCase):
             self.assertEqual((run.status, run.stdout), (2, ""), run.stderr)
             self.assertRegex(run.stderr, rf"^usage: .*\n  try: {re.escape(part)}\n$")
 
+    def test_words_are_listed_where_another_or_a_number_is_given(self):
+        for command, option, words in (("check x", "--fail-on", "inconsistent, undetermined or never"),
+                                       ("check x", "--g2o-dialect", "g2o, gtsam or ceres"),
+                                       ("check x", "--preset", "seed"), ("config show", "--preset", "seed"),
+                                       ("submaps x -o y", "--format", "ot, bt, pcd or ply"),
+                                       ("simulate office -o y", "--format", "bin or pcd")):
+            for value in ("maybe", "0", "2", ""):
+                with self.subTest(option=option, value=value):
+                    run = run_kilter(*command.split(), option, value)
+                    self.assertEqual((run.status, run.stdout), (2, ""))
+                    self.assertRegex(run.stderr, rf'^usage: {option}: expected {words}, found "{value}"\n  try: kilter ')
+
+    def test_an_option_without_its_value_or_given_twice_is_told_in_words(self):
+        for arguments, words in ((("check", "x", "-o"), "--output: expected a value, found none"),
+                                 (("check", "x", "-o", "a", "-o", "b"), "--output: expected once, found 2 times"),
+                                 (("check", "x", "--preset"), "--preset: expected a value, found none"),
+                                 (("check", "x", "--jobs", "1", "--jobs", "2"), "--jobs: expected once, found 2 times")):
+            run = run_kilter(*arguments)
+            self.assertEqual((run.status, run.stdout), (2, ""))
+            self.assertEqual(run.stderr, f"usage: {words}\n  try: kilter check --help\n")
+
     def test_the_manual_tells_every_command_and_option(self):
         manual = (SOURCE_DIR / "docs" / "cli.md").read_text(encoding="utf-8")
         for command in COMMANDS:

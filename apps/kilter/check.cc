@@ -21,6 +21,7 @@
 #include "apps/kilter/signals.h"
 #include "apps/kilter/source_clouds.h"
 #include "apps/kilter/terminal.h"
+#include "apps/kilter/word_option.h"
 #include "kilter/io/archive.h"
 #include "kilter/io/cuts.h"
 #include "kilter/io/file.h"
@@ -48,7 +49,7 @@ struct CheckCommand {
   std::string output_folder = "kilter-out";
   std::optional<std::string> poses_folder;
   std::optional<std::string> cuts;
-  std::string preset;
+  bool seed_preset = false;
   bool maps = false;
   G2oDialect g2o_dialect = G2oDialect::kG2o;
   FailOn fail_on = FailOn::kUndetermined;
@@ -77,7 +78,7 @@ Expected<Job> open_job(const CheckCommand& command) {
   const Expected<std::size_t> memory = parse_memory(command.common.memory);
   if (!memory) return pass_up(memory.error());
   job.memory_bytes = *memory != 0 ? *memory : available_memory().value_or(0) / 2;
-  Expected<Settings> settings = read_settings(command.common, command.preset == "seed");
+  Expected<Settings> settings = read_settings(command.common, command.seed_preset);
   if (!settings) return pass_up(settings.error());
   job.settings = *std::move(settings);
   MissionOptions options;
@@ -302,20 +303,19 @@ void add_check_command(CLI::App& program, int& status) {
       ->option_text("DIR");
   app->add_option("--cuts", command->cuts, "cut submaps at the same scans as this result, so that two compare")
       ->option_text("RESULT");
-  app->add_option("--preset", command->preset, "start from the paper's method and nothing else")
-      ->option_text("seed")
-      ->check(CLI::IsMember({"seed"}));
+  add_word_option<bool>(*app, "--preset", command->seed_preset, {{"seed", true}},
+                        "start from the paper's method and nothing else")
+      ->option_text("seed");
   app->add_flag("--maps", command->maps, "also write each robot's fused map and the global one");
-  const std::map<std::string, FailOn> names = {
-      {"inconsistent", FailOn::kInconsistent}, {"undetermined", FailOn::kUndetermined}, {"never", FailOn::kNever}};
-  app->add_option("--fail-on", command->fail_on, "which verdicts give a status other than 0")
-      ->option_text("inconsistent|undetermined|never (undetermined: both)")
-      ->transform(CLI::CheckedTransformer(names).description(""));
-  const std::map<std::string, G2oDialect> dialects = {
-      {"g2o", G2oDialect::kG2o}, {"gtsam", G2oDialect::kGtsam}, {"ceres", G2oDialect::kCeres}};
-  app->add_option("--g2o-dialect", command->g2o_dialect, "whose reading of its numbers constraints.g2o is written for")
-      ->option_text("g2o|gtsam|ceres (g2o)")
-      ->transform(CLI::CheckedTransformer(dialects).description(""));
+  add_word_option<FailOn>(
+      *app, "--fail-on", command->fail_on,
+      {{"inconsistent", FailOn::kInconsistent}, {"undetermined", FailOn::kUndetermined}, {"never", FailOn::kNever}},
+      "which verdicts give a status other than 0")
+      ->option_text("inconsistent|undetermined|never (undetermined: both)");
+  add_word_option<G2oDialect>(*app, "--g2o-dialect", command->g2o_dialect,
+                              {{"g2o", G2oDialect::kG2o}, {"gtsam", G2oDialect::kGtsam}, {"ceres", G2oDialect::kCeres}},
+                              "whose reading of its numbers constraints.g2o is written for")
+      ->option_text("g2o|gtsam|ceres (g2o)");
   add_common_options(*app, command->common);
   app->callback([command, &status] { status = run_check(*command); });
 }

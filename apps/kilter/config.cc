@@ -14,6 +14,7 @@
 #include "apps/kilter/common_options.h"
 #include "apps/kilter/exit_status.h"
 #include "apps/kilter/terminal.h"
+#include "apps/kilter/word_option.h"
 #include "kilter/report/json_writer.h"
 
 namespace kilter::app {
@@ -21,7 +22,7 @@ namespace {
 
 struct ConfigCommand {
   CommonOptions common;
-  std::string preset;
+  bool seed_preset = false;
 };
 
 constexpr std::string_view kSensorDoc =
@@ -88,7 +89,7 @@ std::string as_json(Settings& settings) {
 }
 
 int show_config(const ConfigCommand& command) {
-  Expected<Settings> settings = read_settings(command.common, command.preset == "seed");
+  Expected<Settings> settings = read_settings(command.common, command.seed_preset);
   if (!settings) return print_error(settings.error());
   const Expected<void> done = print_out(command.common.json ? as_json(*settings) : as_toml(*settings));
   if (done) return kExitGood;
@@ -105,9 +106,9 @@ void add_config_command(CLI::App& program, int& status) {
   CLI::App* show = app->add_subcommand("show",
                                        "every key with its value, unit, range and meaning, as a file that "
                                        "--config reads");
-  show->add_option("--preset", command->preset, "start from the paper's method and nothing else")
-      ->option_text("seed")
-      ->check(CLI::IsMember({"seed"}));
+  add_word_option<bool>(*show, "--preset", command->seed_preset, {{"seed", true}},
+                        "start from the paper's method and nothing else")
+      ->option_text("seed");
   add_common_options(*show, command->common);
   show->callback([command, &status] { status = show_config(*command); });
 }

@@ -5,6 +5,7 @@
 #include <new>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -62,11 +63,22 @@ std::pair<const CLI::App*, std::string> called_command(const CLI::App& program) 
   return {command, words};
 }
 
+// Two complaints that CLI11 words for who wrote the program, not for who calls it.
+std::string reworded(const CLI::ParseError& error) {
+  const std::string text = error.what();
+  if (dynamic_cast<const CLI::ArgumentMismatch*>(&error) == nullptr) return text;
+  const std::string name = text.substr(0, text.find(':'));
+  constexpr std::string_view kTooMany = ": At Most 1 required but received ";
+  if (text.ends_with(" missing")) return name + ": expected a value, found none";
+  if (!text.starts_with(name + std::string(kTooMany))) return text;
+  return fmt::format("{}: expected once, found {} times", name, text.substr(name.size() + kTooMany.size()));
+}
+
 int refuse_command_line(const CLI::App& program, const CLI::ParseError& error) {
   const auto [command, words] = called_command(program);
   const std::vector<std::string> unread = program.remaining(true);
   if (dynamic_cast<const CLI::ExtrasError*>(&error) == nullptr || unread.empty()) {
-    return print_error({ErrorCode::kUsage, printable(error.what(), 400), {}, words + " --help"});
+    return print_error({ErrorCode::kUsage, printable(reworded(error), 400), {}, words + " --help"});
   }
   std::vector<std::string> names;
   for (const CLI::Option* option : command->get_options()) names.push_back(option->get_name());

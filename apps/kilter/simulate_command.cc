@@ -14,6 +14,7 @@
 #include "apps/kilter/signals.h"
 #include "apps/kilter/simulate.h"
 #include "apps/kilter/terminal.h"
+#include "apps/kilter/word_option.h"
 #include "kilter/report/json_writer.h"
 
 namespace kilter::app {
@@ -22,7 +23,6 @@ namespace {
 struct SimulateCommand {
   CommonOptions common;
   SimulateRequest request;
-  std::string format = "bin";
 };
 
 std::string robot_of(const SimulateSummary& summary, const Fault& fault) {
@@ -66,7 +66,6 @@ int run_simulate(SimulateCommand& command) {
     return exit_status(keys.error().code);
   }
   SimulateRequest& request = command.request;
-  request.writer.format = command.format == "pcd" ? ScanFormat::kPcd : ScanFormat::kBin;
   request.writer.scene = request.scene;
   request.writer.seed = request.options.seed;
   catch_stop_signals();
@@ -117,9 +116,9 @@ void add_simulate_command(CLI::App& program, int& status) {
   app->add_option("--scan-step", request.scan_step_m, "way between two scans (the scene's own)")
       ->option_text("M")
       ->check(CLI::Range(0.0, 100.0));
-  app->add_option("--format", command->format, "of the scans: bin or pcd (bin)")
-      ->option_text("FORMAT")
-      ->check(CLI::IsMember({"bin", "pcd"}));
+  add_word_option<ScanFormat>(*app, "--format", request.writer.format,
+                              {{"bin", ScanFormat::kBin}, {"pcd", ScanFormat::kPcd}}, "of the scans")
+      ->option_text("bin|pcd (bin)");
   app->add_flag("--replace", request.writer.replace, "remove an earlier mission in DIR first");
   add_common_options(*app, command->common);
   app->footer(scene_list());

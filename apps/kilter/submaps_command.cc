@@ -1,6 +1,5 @@
 // SPDX-FileCopyrightText: The kilter authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -18,6 +17,7 @@
 #include "apps/kilter/signals.h"
 #include "apps/kilter/submap_writer.h"
 #include "apps/kilter/terminal.h"
+#include "apps/kilter/word_option.h"
 #include "kilter/io/cuts.h"
 #include "kilter/io/file.h"
 #include "kilter/io/mission.h"
@@ -218,11 +218,11 @@ void add_submaps_command(CLI::App& program, int& status) {
   app->add_option("-o,--output", command->output_folder, "folder for ROBOT/submaps/ and ROBOT/poses.tum")
       ->option_text("DIR")
       ->required();
-  const std::map<std::string, SubmapFormat> formats = {
-      {"ot", SubmapFormat::kOt}, {"bt", SubmapFormat::kBt}, {"pcd", SubmapFormat::kPcd}, {"ply", SubmapFormat::kPly}};
-  app->add_option("--format", command->format, "octrees with or without probabilities, or points")
-      ->option_text("ot|bt|pcd|ply (ot)")
-      ->transform(CLI::CheckedTransformer(formats).description(""));
+  add_word_option<SubmapFormat>(
+      *app, "--format", command->format,
+      {{"ot", SubmapFormat::kOt}, {"bt", SubmapFormat::kBt}, {"pcd", SubmapFormat::kPcd}, {"ply", SubmapFormat::kPly}},
+      "octrees with or without probabilities, or points")
+      ->option_text("ot|bt|pcd|ply (ot)");
   app->add_option("--poses", command->poses_folder, "take DIR/ROBOT/poses.* instead of each robot's own poses")
       ->option_text("DIR");
   app->add_option("--cuts", command->cuts, "cut submaps at the same scans as this result of check")
