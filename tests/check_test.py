@@ -217,6 +217,21 @@ class Output(CheckCase):
         self.assertEqual(after["run"]["cuts"], str(self.out))
         self.assertGreater(len(after["submaps"]), 6)
 
+    def test_cuts_of_other_robots_are_refused_and_of_some_are_told(self):
+        self.check()
+        renamed = [f"{name}={self.tiny.mission / robot}" for name, robot in (("c", "a"), ("d", "b"))]
+        sets = "cuts for a, b, and none for the robots that there are: c, d"
+        for command, out in (("check", self.out.with_name("none")), ("submaps", self.out.with_name("no-submaps"))):
+            run = run_kilter(command, *renamed, "--cuts", self.out, "-o", out, *self.settings)
+            self.assertEqual((run.status, run.stdout), (3, ""), run.stderr)
+            self.assertTrue(run.stderr.startswith(f"count-mismatch: {self.out}: {sets}\n  try: "), run.stderr)
+            self.assertFalse(out.exists())
+            some = (command, f"a={self.tiny.mission / 'a'}", renamed[1], "--cuts", self.out, "-o", out, *self.settings)
+            run = run_kilter(*some)
+            self.assertIn(run.status, (0, 1, 4), run.stderr)
+            self.assertIn(f"note: {self.out} has no cuts for d, cut anew\n", run.stderr)
+            self.assertEqual(run_kilter(*some, "--quiet", *(["--replace"] if command == "submaps" else [])).stderr, "")
+
 
 class Terminal(CheckCase):
     def on_a_terminal(self, *arguments: str, **environment: str) -> str:

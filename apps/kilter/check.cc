@@ -17,13 +17,13 @@
 #include "apps/kilter/commands.h"
 #include "apps/kilter/common_options.h"
 #include "apps/kilter/exit_status.h"
+#include "apps/kilter/known_cuts.h"
 #include "apps/kilter/output_folder.h"
 #include "apps/kilter/signals.h"
 #include "apps/kilter/source_clouds.h"
 #include "apps/kilter/terminal.h"
 #include "apps/kilter/word_option.h"
 #include "kilter/io/archive.h"
-#include "kilter/io/cuts.h"
 #include "kilter/io/file.h"
 #include "kilter/io/mission.h"
 #include "kilter/io/octree_writer.h"
@@ -89,7 +89,7 @@ Expected<Job> open_job(const CheckCommand& command) {
   job.mission = *std::move(mission);
   if (auto fit = check_map_names(command, job.mission); !fit) return pass_up(fit.error());
   if (command.cuts) {
-    Expected<Cuts> cuts = read_cuts(*command.cuts);
+    Expected<Cuts> cuts = read_cuts_for(job.mission, *command.cuts);
     if (!cuts) return pass_up(cuts.error());
     job.cuts = *std::move(cuts);
   }

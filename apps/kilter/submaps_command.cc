@@ -13,12 +13,12 @@
 #include "apps/kilter/commands.h"
 #include "apps/kilter/common_options.h"
 #include "apps/kilter/exit_status.h"
+#include "apps/kilter/known_cuts.h"
 #include "apps/kilter/output_folder.h"
 #include "apps/kilter/signals.h"
 #include "apps/kilter/submap_writer.h"
 #include "apps/kilter/terminal.h"
 #include "apps/kilter/word_option.h"
-#include "kilter/io/cuts.h"
 #include "kilter/io/file.h"
 #include "kilter/io/mission.h"
 #include "kilter/report/constraints_g2o.h"
@@ -85,7 +85,7 @@ Done<Job> open_job(const SubmapsCommand& command) {
   if (!mission) return failed(mission.error());
   job.mission = *std::move(mission);
   if (command.cuts) {
-    Expected<Cuts> cuts = read_cuts(*command.cuts);
+    Expected<Cuts> cuts = read_cuts_for(job.mission, *command.cuts);
     if (!cuts) return failed(cuts.error());
     job.cuts = *std::move(cuts);
   }

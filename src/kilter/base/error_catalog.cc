@@ -32,7 +32,8 @@ constexpr std::array kCatalog = {
         "recording. Copy it again, or remove the scan and its pose. Exit status 3."},
     CatalogEntry{ErrorCode::kCountMismatch, "count-mismatch",
                  "There must be exactly one pose per scan, in scan order. Both counts and the first missing one are in "
-                 "the message. Exit status 3."},
+                 "the message. Cuts of `--cuts` must likewise be for all scans, and for robots of the same names. Exit "
+                 "status 3."},
     CatalogEntry{ErrorCode::kInvalidPose, "invalid-pose",
                  "A pose holds NaN or Inf, its quaternion is more than 1 % away from unit length, or its matrix is not "
                  "a rotation. Often columns are in another order (kilter reads x y z qx qy qz qw). Exit status 3."},
