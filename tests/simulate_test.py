@@ -65,6 +65,12 @@ class Simulate(unittest.TestCase):
         self.assertEqual((missed["kind"], missed["robot"], missed["against_robot"]), ("missed-closure", "b", "b"))
         self.assertAlmostEqual(missed["size_m"], 0.7, delta=0.05)
 
+    def test_a_larger_office_has_its_own_faults_too(self):
+        for scale in ("2", "5"):
+            made = self.simulate("large", "office", "--scale", scale, "--scan-step", "4", "--columns", "36", "--replace")
+            listed = json.loads((made / "truth" / "faults.json").read_text(encoding="utf-8"))["faults"]
+            self.assertEqual([fault["kind"] for fault in listed], ["slip", "frame-offset", "missed-closure"])
+
     def test_without_a_fault_the_estimate_is_the_truth_to_centimetres(self):
         made = self.simulate("clean", "office", "--fault", "none", *QUICK)
         for robot in "ab":
@@ -88,7 +94,8 @@ class Simulate(unittest.TestCase):
         for arguments, hint in ((["offise"], "did you mean office?"), (["office", "--beams", "17"], "16, 32 or 64"),
                                 (["office", "--fault", "gremlin"], "slip"), (["office", "--robots", "9"], "robots"),
                                 (["office", "--fault", "slip:a:-1"], "above 0"), (["office", "--set", "colums=3"], "colums"),
-                                (["tunnel", "--robots", "1", "--fault", "frame-offset:b"], "robot")):
+                                (["tunnel", "--robots", "1", "--fault", "frame-offset:b"], "robot"),
+                                (["carpark", "--scan-step", "20"], "--fault none")):
             with self.subTest(arguments):
                 run = run_kilter("simulate", *arguments, "-o", self.folder / "refused")
                 self.assertEqual(run.status, 2, run.stderr)

@@ -81,7 +81,8 @@ Expected<SimulateSummary> simulate(const SimulateRequest& request, const RunCont
     if (!faults) return pass_up(faults.error());
     scene->faults = std::move(*faults);
   }
-  const Expected<SimulatedMission> mission = SimulatedMission::plan(std::move(*scene), *lidar, request.options.seed);
+  Expected<SimulatedMission> mission = SimulatedMission::plan(std::move(*scene), *lidar, request.options.seed);
+  if (!mission && mission.error().hint.empty()) mission.error().hint = "other faults by --fault, or --fault none";
   if (!mission) return pass_up(as_usage(mission.error()));
   if (Expected<void> written = write_mission(*mission, request.writer, run); !written) return pass_up(written.error());
   SimulateSummary summary{{}, mission->scan_count(), mission->faults()};

@@ -105,6 +105,25 @@ TEST(Scene, TakesFiveRobotsAndGrowsWithScale) {
   }
 }
 
+TEST(Scene, HasRoomForItsOwnFaultsAtEveryScale) {
+  for (const std::string name : {"office", "carpark", "warehouse", "forest"}) {
+    for (const double scale : {0.5, 1.25, 2.0, 4.0}) {
+      for (const std::uint64_t seed : {1, 3}) {
+        const SceneOptions options{.seed = seed, .scale = scale, .robots = seed == 3 ? 5 : 2};
+        EXPECT_EQ(mission_of(name, options).robots().size(), seed == 3 ? 5U : 2U) << "scale " << scale;
+      }
+    }
+  }
+}
+
+TEST(Scene, CorridorsOfALargeOfficeAreFree) {
+  for (const double scale : {1.5, 3.0}) {
+    const Scene scene = *make_scene("office", {.seed = 1, .scale = scale, .robots = 5});
+    const RayCaster world = *RayCaster::build({scene.world.fixed, {}});
+    for (const RobotRoute& route : scene.routes) expect_free_way(world, route, 1);
+  }
+}
+
 TEST(Scene, StoreysOfTheStairsOverlapInPlanOnly) {
   const SimulatedMission mission = mission_of("stairs", {});
   double low = 1e9;

@@ -94,7 +94,7 @@ void build_storey(Storey& storey, const OfficePlan& plan) {
   for (const double x : plan.x_m) storey.lamps({x, plan.y_m.front()}, {x, plan.y_m.back()});
 }
 
-// A ring of corridors from column i0 to i1 over all rows 0..j1; `clockwise` seen from above.
+// A ring of corridors from column i0 to i1 over rows 0 to j1; `clockwise` seen from above.
 struct Ring {
   std::size_t i0, i1, j1;
   bool clockwise;
@@ -154,11 +154,12 @@ Scene make_office(const SceneOptions& options) {
   Rng rng = part_rng(options, WorldPart::kRoutes);
   const std::size_t columns = plan.x_m.size() - 1;
   const std::size_t rows = plan.y_m.size() - 1;
-  const Ring rings[] = {{0, 1, 1, false},
-                        {columns - 1, columns, 1, true},
+  const std::size_t middle = columns / 2;  // the corridor where the halves' robots meet
+  const Ring rings[] = {{0, middle, rows, false},
+                        {middle, columns, rows, true},
                         {0, columns, rows, false},
-                        {0, 1, 1, true},
-                        {columns - 1, columns, 1, false}};
+                        {0, middle, rows, true},
+                        {middle, columns, rows, false}};
   for (int r = 0; r < options.robots; ++r) {
     scene.routes.push_back({ring_route(plan, rings[r], storey.open_doors(), rng), {}, 0.0});
   }
