@@ -102,6 +102,23 @@ class Simulate(unittest.TestCase):
                 self.assertIn(hint, run.stderr)
                 self.assertFalse((self.folder / "refused").exists())
 
+    def test_numbers_that_are_none_or_out_of_range_are_refused(self):
+        whole = "expected a whole number from 0 to 18446744073709551615"
+        for option, values, words in (("--range-noise", ("nan", "-0.1", "inf", "2"), "expected a number from 0 to 1"),
+                                      ("--motion-residual", ("nan", "1.5", ""), "expected a number from 0 to 1"),
+                                      ("--scan-step", ("nan", "-nan", "101", "1 m"), "expected a number from 0 to 100"),
+                                      ("--scale", ("nan", "0.4", "11"), "expected a number from 0.5 to 10"),
+                                      ("--seed", ("-1", "18446744073709551616", "1e3", "0x1", "nan", ""), whole)):
+            for value in values:
+                with self.subTest(option=option, value=value):
+                    run = run_kilter("simulate", "office", "-o", self.folder / "refused", f"{option}={value}" if value else option,
+                                     *([] if value else [""]))
+                    self.assertEqual((run.status, run.stdout), (2, ""))
+                    self.assertTrue(run.stderr.startswith(f'usage: {option}: {words}, found "{value}"\n'), run.stderr)
+                    self.assertFalse((self.folder / "refused").exists())
+        largest = self.simulate("largest", "tunnel", "--seed", 2**64 - 1, "--scan-step", 4, "--columns", 36)
+        self.assertEqual(json.loads((largest / "truth" / "faults.json").read_text())["seed"], 2**64 - 1)
+
     def test_check_finds_a_planted_slip_and_calls_the_truth_consistent(self):
         made = self.simulate("office", "office", "--seed", "2", "--fault", "slip:a:0.5:0.6", "--columns", "900")
         found = run_kilter("check", made / "mission", "-o", self.folder / "found")

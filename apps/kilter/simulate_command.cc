@@ -1,7 +1,11 @@
 // SPDX-FileCopyrightText: The kilter authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include <charconv>
+#include <cstdint>
+#include <limits>
 #include <memory>
 #include <string>
+#include <system_error>
 
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
@@ -24,6 +28,26 @@ struct SimulateCommand {
   CommonOptions common;
   SimulateRequest request;
 };
+
+// As CLI::Range, which takes NaN for a number of every range.
+CLI::Validator within(double low, double high) {
+  const auto check = [low, high](const std::string& text) {
+    double number = 0.0;
+    const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), number);
+    const bool is_number = status == std::errc() && end == text.data() + text.size();
+    if (is_number && number >= low && number <= high) return std::string();
+    return fmt::format("expected a number from {} to {}, found \"{}\"", low, high, printable(text, 80));
+  };
+  return {check, ""};
+}
+
+// CLI11 wraps negative numbers around and cuts large ones.
+void read_seed(const std::string& text, std::uint64_t& seed) {
+  const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), seed);
+  if (status == std::errc() && end == text.data() + text.size()) return;
+  throw CLI::ValidationError("--seed", fmt::format("expected a whole number from 0 to {}, found \"{}\"",
+                                                   std::numeric_limits<std::uint64_t>::max(), printable(text, 80)));
+}
 
 std::string robot_of(const SimulateSummary& summary, const Fault& fault) {
   return summary.robots[static_cast<std::size_t>(fault.robot)];
@@ -97,9 +121,12 @@ void add_simulate_command(CLI::App& program, int& status) {
   app->add_option("-o,--output", request.writer.folder, "folder for mission/ and truth/")
       ->option_text("DIR")
       ->required();
-  app->add_option("--seed", request.options.seed, "another seed, another world (1)")->option_text("N");
+  const auto set_seed = [&request](const std::string& text) { read_seed(text, request.options.seed); };
+  app->add_option_function<std::string>("--seed", set_seed, "another seed, another world (1)")->option_text("N");
   app->add_option("--robots", request.options.robots, "how many")->option_text("N");
-  app->add_option("--scale", request.options.scale, "size of the world, as a factor")->option_text("FACTOR");
+  app->add_option("--scale", request.options.scale, "size of the world, as a factor")
+      ->option_text("FACTOR")
+      ->check(within(0.5, 10.0));
   app->add_option("--fault", request.faults, "KIND[:ROBOT[:SIZE_M[:AT]]], or none; may be repeated")
       ->option_text("FAULT")
       ->allow_extra_args(false);
@@ -109,13 +136,13 @@ void add_simulate_command(CLI::App& program, int& status) {
       ->check(CLI::Range(36, 7200));
   app->add_option("--range-noise", request.range_noise_m, "standard deviation of a range (0.02 m)")
       ->option_text("M")
-      ->check(CLI::Range(0.0, 1.0));
+      ->check(within(0.0, 1.0));
   app->add_option("--motion-residual", request.motion_residual, "share of the motion that is left undistorted (0.02)")
       ->option_text("SHARE")
-      ->check(CLI::Range(0.0, 1.0));
+      ->check(within(0.0, 1.0));
   app->add_option("--scan-step", request.scan_step_m, "way between two scans (the scene's own)")
       ->option_text("M")
-      ->check(CLI::Range(0.0, 100.0));
+      ->check(within(0.0, 100.0));
   add_word_option<ScanFormat>(*app, "--format", request.writer.format,
                               {{"bin", ScanFormat::kBin}, {"pcd", ScanFormat::kPcd}}, "of the scans")
       ->option_text("bin|pcd (bin)");
