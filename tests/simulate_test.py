@@ -3,6 +3,7 @@
 """`kilter simulate` from outside: layout, formats, repeatability, refusals, and that `check` sees what was planted."""
 
 import json
+import os
 import tempfile
 import unittest
 from pathlib import Path
@@ -101,6 +102,13 @@ class Simulate(unittest.TestCase):
                 self.assertEqual(run.status, 2, run.stderr)
                 self.assertIn(hint, run.stderr)
                 self.assertFalse((self.folder / "refused").exists())
+
+    def test_more_jobs_than_processors_are_nothing_to_talk_about(self):
+        allowed = os.sched_getaffinity(0)
+        self.addCleanup(os.sched_setaffinity, 0, allowed)
+        os.sched_setaffinity(0, {min(allowed)})
+        run = run_kilter("simulate", "office", "-o", self.folder / "jobs", "--jobs", "5", "--quiet", *QUICK)
+        self.assertEqual((run.status, run.stderr), (0, ""))
 
     def test_numbers_that_are_none_or_out_of_range_are_refused(self):
         whole = "expected a whole number from 0 to 18446744073709551615"

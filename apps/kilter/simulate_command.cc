@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: The kilter authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
 #include <charconv>
 #include <cstdint>
 #include <limits>
@@ -19,6 +20,7 @@
 #include "apps/kilter/simulate.h"
 #include "apps/kilter/terminal.h"
 #include "apps/kilter/word_option.h"
+#include "kilter/base/parallel.h"
 #include "kilter/report/json_writer.h"
 
 namespace kilter::app {
@@ -94,7 +96,8 @@ int run_simulate(SimulateCommand& command) {
   request.writer.seed = request.options.seed;
   catch_stop_signals();
   Progress progress(command.common.progress_style());
-  RunContext run{command.common.jobs, &stop_flag(), {}};
+  // Embree sets TBB up for what processors there are, and TBB complains where more threads are asked for later.
+  RunContext run{std::min(command.common.jobs, available_processors()), &stop_flag(), {}};
   run.progress = [&progress](std::size_t done, std::size_t total) { progress.update("scans", done, total); };
   const Expected<SimulateSummary> summary = simulate(request, run);
   progress.finish();
