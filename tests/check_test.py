@@ -16,7 +16,7 @@ import unittest
 from pathlib import Path
 
 import jsonschema
-from kilter_runner import SOURCE_DIR, kilter_binary, main, run_kilter
+from kilter_runner import SOURCE_DIR, interrupt_kilter, kilter_binary, main, run_kilter
 from tiny_mission import TinyMission, read_result
 
 FILES = {"result.json", "pairs.csv", "gamma.csv", "theta.csv", "verified.csv", "constraints.g2o", "report.html",
@@ -263,17 +263,9 @@ class Terminal(CheckCase):
 class Trouble(CheckCase):
     def interrupted(self, number: signal.Signals) -> tuple[int, str]:
         """Status and messages of a run that gets a signal once it has begun to work."""
-        command = [str(kilter_binary()), "check", str(self.tiny.mission), "-o", str(self.out), "--verbose",
-                   "--jobs", "1", "--set", "resolution=0.02"]
-        # A test run in the background inherits SIGINT ignored, and kilter respects that.
-        restore = lambda: signal.signal(signal.SIGINT, signal.SIG_DFL)  # noqa: E731
-        with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-                              preexec_fn=restore) as run:
-            first = run.stderr.readline()
-            run.send_signal(number)
-            stdout, stderr = run.communicate(timeout=60)
-        self.assertEqual(stdout, "")
-        return run.returncode, first + stderr
+        run = interrupt_kilter(number, "check", self.tiny.mission, "-o", self.out, "--jobs", "1", "--set", "resolution=0.02")
+        self.assertEqual(run.stdout, "")
+        return run.status, run.stderr
 
     def test_ctrl_c_ends_it_with_130_and_nothing_is_written(self):
         status, messages = self.interrupted(signal.SIGINT)

@@ -64,6 +64,21 @@ def run_kilter(*arguments: object, timeout_s: float = 900.0, cwd: Path | None = 
     return Run(status, done.stdout.decode("utf-8", "replace"), done.stderr.decode("utf-8", "replace"))
 
 
+def interrupt_kilter(number: signal.Signals, *arguments: object, after: str = "", timeout_s: float = 60.0) -> Run:
+    """Runs the program with --verbose, sends it a signal once a message begins with `after`, and waits for its end."""
+    # A test run in the background inherits SIGINT ignored, and kilter respects that.
+    restore = lambda: signal.signal(signal.SIGINT, signal.SIG_DFL)  # noqa: E731
+    with subprocess.Popen([str(kilter_binary()), *map(str, arguments), "--verbose"], stdin=subprocess.DEVNULL,
+                          stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, preexec_fn=restore) as run:
+        lines = []
+        while not lines or (lines[-1] and not lines[-1].startswith(after)):
+            lines.append(run.stderr.readline())
+        run.send_signal(number)
+        stdout, stderr = run.communicate(timeout=timeout_s)
+    status = run.returncode if run.returncode >= 0 else 128 - run.returncode
+    return Run(status, stdout, "".join(lines) + stderr)
+
+
 def data_folder(name: str) -> Path:
     """Folder of a real mission, e.g. "loop"; skips the test where the data are not at hand."""
     places = [Path(os.environ["KILTER_DATA"])] if "KILTER_DATA" in os.environ else []

@@ -4,11 +4,15 @@
 
 import json
 import os
+import re
+import resource
+import signal
+import subprocess
 import tempfile
 import unittest
 from pathlib import Path
 
-from kilter_runner import main, run_kilter
+from kilter_runner import interrupt_kilter, kilter_binary, main, run_kilter
 
 QUICK = ("--scan-step", "1.5", "--columns", "360")
 
@@ -102,6 +106,23 @@ class Simulate(unittest.TestCase):
                 self.assertEqual(run.status, 2, run.stderr)
                 self.assertIn(hint, run.stderr)
                 self.assertFalse((self.folder / "refused").exists())
+
+    def test_a_run_that_is_stopped_or_fails_leaves_what_was_there(self):
+        earlier = self.simulate("earlier", "tunnel", *QUICK)
+        before = tree_bytes(earlier)
+        fresh = self.folder / "fresh"
+        limit = lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (65536, 65536))  # noqa: E731
+        for folder in (earlier, fresh):
+            run = interrupt_kilter(signal.SIGTERM, "simulate", "office", "-o", folder, "--replace", "--jobs", "1")
+            self.assertEqual((run.status, run.stdout), (143, ""), run.stderr)
+            self.assertRegex(run.stderr, r"(?m)^cancelled: ")
+            full = subprocess.run([str(kilter_binary()), "simulate", "office", "-o", str(folder), "--replace"],
+                                  capture_output=True, text=True, preexec_fn=limit, check=False)
+            self.assertEqual((full.returncode, full.stdout), (5, ""), full.stderr)
+            self.assertRegex(full.stderr, "^no-space: " + re.escape(str(folder / "mission" / "a" / "scans")) + "/000000.bin: ")
+        self.assertEqual(tree_bytes(earlier), before)
+        self.assertEqual(sorted(path.name for path in earlier.iterdir()), ["mission", "truth"])
+        self.assertFalse(fresh.exists())
 
     def test_more_jobs_than_processors_are_nothing_to_talk_about(self):
         allowed = os.sched_getaffinity(0)

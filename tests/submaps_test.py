@@ -5,11 +5,15 @@
 from __future__ import annotations
 
 import json
+import re
+import resource
+import signal
 import struct
+import subprocess
 import unittest
 from pathlib import Path
 
-from kilter_runner import main, run_kilter
+from kilter_runner import interrupt_kilter, kilter_binary, main, run_kilter
 from tiny_mission import TinyMission, read_result
 
 FORMATS = ("ot", "bt", "pcd", "ply")
@@ -104,6 +108,25 @@ class Submaps(unittest.TestCase):
         self.assertEqual(run_kilter("submaps", self.tiny.mission, "-o", file).status, 5)
         self.assertEqual(run_kilter("submaps", self.tiny.mission).status, 2)
         self.assertEqual(run_kilter("submaps", self.tiny.folder / "none", "-o", file).status, 3)
+
+    def test_a_run_that_is_stopped_or_fails_leaves_what_was_there(self):
+        earlier = self.write("earlier", "--set", "resolution=0.3")
+        before = bytes_below(earlier)
+        fresh = self.tiny.folder / "stopped"
+        limit = lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (65536, 65536))  # noqa: E731
+        fine = ("--set", "resolution=0.03", "--jobs", 1)  # so that it takes a while
+        for folder in (earlier, fresh):
+            run = interrupt_kilter(signal.SIGINT, "submaps", self.tiny.mission, "-o", folder, "--replace", *fine,
+                                   after="submaps of b")
+            self.assertEqual((run.status, run.stdout), (130, ""), run.stderr)
+            self.assertRegex(run.stderr, r"(?m)^cancelled: ")
+            full = subprocess.run([str(kilter_binary()), "submaps", str(self.tiny.mission), "-o", str(folder), "--replace"],
+                                  capture_output=True, text=True, preexec_fn=limit, check=False)
+            self.assertEqual((full.returncode, full.stdout), (5, ""), full.stderr)
+            self.assertRegex(full.stderr, r"(?m)^no-space: " + re.escape(str(folder)) + "/[ab]/submaps/00000[0-9].ot: ")
+        self.assertEqual(bytes_below(earlier), before)
+        self.assertEqual(sorted(path.name for path in earlier.iterdir()), ["a", "b", "submaps.g2o"])
+        self.assertFalse(fresh.exists())
 
 
 class Trees(unittest.TestCase):

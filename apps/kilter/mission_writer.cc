@@ -11,6 +11,8 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 
+#include "apps/kilter/staging_folder.h"
+
 namespace kilter {
 namespace {
 
@@ -19,23 +21,29 @@ namespace fs = std::filesystem;
 static_assert(std::endian::native == std::endian::little, "both scan formats hold little-endian numbers");
 
 tl::unexpected<Error> io_failure(const std::string& what, int code, const fs::path& path) {
-  return fail(code == ENOSPC ? ErrorCode::kNoSpace : ErrorCode::kIo, what + ": " + std::strerror(code),
-              printable(path.string()));
+  const bool full = code == ENOSPC || code == EDQUOT || code == EFBIG;
+  return fail(full ? ErrorCode::kNoSpace : ErrorCode::kIo, what + ": " + std::strerror(code), printable(path.string()));
 }
 
-Expected<void> write_bytes(const fs::path& path, std::string_view bytes) {
+// Where a mission waits until it is whole, and where it is going, which is what messages name.
+struct Place {
+  fs::path waiting;
+  fs::path going;
+};
+
+Expected<void> write_bytes(const Place& place, const fs::path& name, std::string_view bytes) {
   errno = 0;
-  std::ofstream file(path, std::ios::binary | std::ios::trunc);
+  std::ofstream file(place.waiting / name, std::ios::binary | std::ios::trunc);
   file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
   file.close();
-  if (!file) return io_failure("cannot write", errno, path);
+  if (!file) return io_failure("cannot write", errno, place.going / name);
   return {};
 }
 
-Expected<void> make_folder(const fs::path& path) {
+Expected<void> make_folder(const Place& place, const fs::path& name) {
   std::error_code status;
-  fs::create_directories(path, status);
-  if (status) return io_failure("cannot make the folder", status.value(), path);
+  fs::create_directories(place.waiting / name, status);
+  if (status) return io_failure("cannot make the folder", status.value(), place.going / name);
   return {};
 }
 
@@ -74,39 +82,47 @@ std::string scan_bytes(const SimulatedScan& scan, ScanFormat format) {
   return bytes;
 }
 
-Expected<void> prepare(const MissionWriterOptions& options) {
-  for (const char* part : {"mission", "truth"}) {
+constexpr const char* kParts[] = {"truth", "mission"};
+
+Expected<void> check_folder(const MissionWriterOptions& options) {
+  for (const char* part : kParts) {
     const fs::path path = options.folder / part;
     std::error_code status;
-    if (!fs::exists(path, status)) continue;
-    if (!options.replace) {
-      return fail(ErrorCode::kUsage, "there is a mission already", printable(path.string()),
-                  "choose another folder, or --replace");
-    }
-    fs::remove_all(path, status);
-    if (status) return io_failure("cannot remove the earlier mission", status.value(), path);
+    if (options.replace || !fs::exists(path, status)) continue;
+    return fail(ErrorCode::kUsage, "there is a mission already", printable(path.string()),
+                "choose another folder, or --replace");
   }
   return {};
 }
 
-Expected<void> write_robot(const SimulatedMission& mission, std::size_t r, const MissionWriterOptions& options,
+// An earlier mission goes where the new one has waited, and with it.
+Expected<void> publish(const app::StagingFolder& staging, const MissionWriterOptions& options) {
+  for (const char* part : kParts) {
+    const fs::path path = options.folder / part;
+    std::error_code status;
+    if (!fs::exists(fs::symlink_status(path, status))) continue;
+    fs::rename(path, staging.path() / fmt::format("earlier-{}", part), status);
+    if (status) return io_failure("cannot remove the earlier mission", status.value(), path);
+  }
+  return staging.publish({std::begin(kParts), std::end(kParts)});
+}
+
+Expected<void> write_robot(const SimulatedMission& mission, std::size_t r, const Place& place, ScanFormat format,
                            const RunContext& run) {
   const SimulatedRobot& robot = mission.robots()[r];
-  const fs::path folder = options.folder / "mission" / robot.name;
-  const fs::path truth = options.folder / "truth" / robot.name;
+  const fs::path folder = fs::path("mission") / robot.name;
+  const fs::path truth = fs::path("truth") / robot.name;
   for (const fs::path& path : {folder / "scans", truth}) {
-    if (Expected<void> made = make_folder(path); !made) return made;
+    if (Expected<void> made = make_folder(place, path); !made) return made;
   }
-  const char* suffix = options.format == ScanFormat::kPcd ? "pcd" : "bin";
+  const char* suffix = format == ScanFormat::kPcd ? "pcd" : "bin";
   const auto take = [&](std::size_t i, const SimulatedScan& scan) {
-    return write_bytes(folder / "scans" / fmt::format("{:06}.{}", i, suffix), scan_bytes(scan, options.format));
+    return write_bytes(place, folder / "scans" / fmt::format("{:06}.{}", i, suffix), scan_bytes(scan, format));
   };
   if (Expected<void> written = for_each_scan(mission, r, run, take); !written) return written;
-  if (Expected<void> written = write_bytes(folder / "poses.tum", tum_text(robot.stamp_s, robot.T_world_sensor));
-      !written) {
-    return written;
-  }
-  return write_bytes(truth / "poses.tum", tum_text(robot.stamp_s, robot.T_world_sensor_true));
+  const std::string poses = tum_text(robot.stamp_s, robot.T_world_sensor);
+  if (Expected<void> written = write_bytes(place, folder / "poses.tum", poses); !written) return written;
+  return write_bytes(place, truth / "poses.tum", tum_text(robot.stamp_s, robot.T_world_sensor_true));
 }
 
 }  // namespace
@@ -131,17 +147,22 @@ std::string faults_json(const SimulatedMission& mission, const std::string& scen
 
 Expected<void> write_mission(const SimulatedMission& mission, const MissionWriterOptions& options,
                              const RunContext& run) {
-  if (Expected<void> ready = prepare(options); !ready) return ready;
+  if (Expected<void> fit = check_folder(options); !fit) return fit;
+  const Expected<app::StagingFolder> staging = app::StagingFolder::make_in(options.folder);
+  if (!staging) return pass_up(staging.error());
+  const Place place{staging->path(), options.folder};
   const std::size_t total = mission.scan_count();
   std::size_t before = 0;
   for (std::size_t r = 0; r < mission.robots().size(); ++r) {
     RunContext part = run;
     if (run.progress)
       part.progress = [&, before](std::size_t done, std::size_t) { run.progress(before + done, total); };
-    if (Expected<void> written = write_robot(mission, r, options, part); !written) return written;
+    if (Expected<void> written = write_robot(mission, r, place, options.format, part); !written) return written;
     before += mission.robots()[r].stamp_s.size();
   }
-  return write_bytes(options.folder / "truth" / "faults.json", faults_json(mission, options.scene, options.seed));
+  const std::string faults = faults_json(mission, options.scene, options.seed);
+  if (Expected<void> written = write_bytes(place, fs::path("truth") / "faults.json", faults); !written) return written;
+  return publish(*staging, options);
 }
 
 }  // namespace kilter

@@ -19,12 +19,13 @@ enum class ScanFormat { kBin, kPcd };
 struct MissionWriterOptions {
   std::filesystem::path folder;
   ScanFormat format = ScanFormat::kBin;
-  bool replace = false;  ///< remove an earlier mission's `mission/` and `truth/` first
+  bool replace = false;  ///< an earlier mission's `mission/` and `truth/` goes once the new one is whole
   std::string scene;     ///< named in faults.json
   std::uint64_t seed = 1;
 };
 
-/// Writes `mission/ROBOT/{poses.tum, scans/000000.bin}`, `truth/ROBOT/poses.tum` and, last, `truth/faults.json`.
+/// Writes `mission/ROBOT/{poses.tum, scans/000000.bin}`, `truth/ROBOT/poses.tum` and `truth/faults.json`, which get
+/// their names when all of it is whole: whatever it returns else, the folder is as it was.
 /// Scans are made and written a few at a time, so memory does not grow with the mission.
 /// \return kIo or kNoSpace naming the file; kUsage when the folder already holds a mission; kCancelled.
 [[nodiscard]] Expected<void> write_mission(const SimulatedMission& mission, const MissionWriterOptions& options,

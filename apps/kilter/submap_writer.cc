@@ -10,7 +10,6 @@
 #include <iterator>
 #include <system_error>
 
-#include "apps/kilter/output_folder.h"
 #include "kilter/io/cloud_file.h"
 #include "kilter/io/file.h"
 #include "kilter/io/octree_reader.h"
@@ -75,18 +74,6 @@ Expected<void> remove_file(const fs::path& path) {
   return fail(ErrorCode::kIo, fmt::format("cannot be removed: {}", error.message()), shown(path));
 }
 
-// Poses go first: without them nobody takes what is left for a robot.
-Expected<void> remove_earlier(const fs::path& folder) {
-  if (auto done = remove_file(folder / kPoses); !done) return done;
-  const auto names = entries_of(folder / "submaps");
-  if (!names) return pass_up(names.error());
-  for (const std::string& name : *names) {
-    if (!is_ours(name)) continue;
-    if (auto done = remove_file(folder / "submaps" / name); !done) return done;
-  }
-  return {};
-}
-
 std::string stamp_text(std::int64_t stamp_ns) {
   constexpr std::int64_t kSecond = 1'000'000'000;
   if (stamp_ns < 0) return fmt::format("{}", static_cast<double>(stamp_ns) * 1e-9);
@@ -136,6 +123,9 @@ Expected<void> check_robot_folder(const fs::path& folder, bool replace) {
     if (fs::is_symlink(fs::symlink_status(path, error))) {
       return refuse(path, "this is a symlink, and nothing is written through it", "name another folder with -o");
     }
+    if (fs::exists(path, error) && !is_folder(path)) {
+      return refuse(path, "expected a folder to write to, found something else", "name another folder with -o");
+    }
   }
   const auto names = entries_of(folder);
   if (!names) return pass_up(names.error());
@@ -145,24 +135,37 @@ Expected<void> check_robot_folder(const fs::path& folder, bool replace) {
   return check_entries(folder, *names, replace);
 }
 
-Expected<std::size_t> write_submaps(const fs::path& folder, const std::vector<Submap>& submaps,
-                                    const std::vector<std::int64_t>& stamps_ns, SubmapFormat format,
-                                    const OccupancyOptions& options) {
-  if (auto done = remove_earlier(folder); !done) return pass_up(done.error());
-  std::size_t bytes_written = 0;
+Expected<WaitingSubmaps> write_submaps(const StagingFolder& staging, const std::string& robot,
+                                       const std::vector<Submap>& submaps, const std::vector<std::int64_t>& stamps_ns,
+                                       SubmapFormat format, const OccupancyOptions& options) {
+  WaitingSubmaps waiting;
+  const auto write = [&](const fs::path& name, std::string_view bytes) {
+    waiting.bytes += bytes.size();
+    waiting.names.push_back(robot / name);
+    return staging.write(robot / name, bytes);
+  };
   for (std::size_t i = 0; i < submaps.size(); ++i) {
     Expected<std::string> bytes = submap_bytes(submaps[i].map, format, options);
     if (!bytes) {
       bytes.error().where = printable(submaps[i].name);
       return pass_up(std::move(bytes.error()));
     }
-    bytes_written += bytes->size();
     const fs::path name = fs::path("submaps") / fmt::format("{:06}.{}", i, extension_of(format));
-    if (auto done = write_output_folder(folder, {{name, *std::move(bytes)}}); !done) return pass_up(done.error());
+    if (auto done = write(name, *bytes); !done) return pass_up(done.error());
   }
-  const std::string poses = poses_text(submaps, stamps_ns);
-  if (auto done = write_output_folder(folder, {{kPoses, poses}}); !done) return pass_up(done.error());
-  return bytes_written + poses.size();
+  if (auto done = write(kPoses, poses_text(submaps, stamps_ns)); !done) return pass_up(done.error());
+  return waiting;
+}
+
+Expected<void> remove_earlier_submaps(const fs::path& folder) {
+  if (auto done = remove_file(folder / kPoses); !done) return done;
+  const auto names = entries_of(folder / "submaps");
+  if (!names) return pass_up(names.error());
+  for (const std::string& name : *names) {
+    if (!is_ours(name)) continue;
+    if (auto done = remove_file(folder / "submaps" / name); !done) return done;
+  }
+  return {};
 }
 
 }  // namespace kilter::app

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "apps/kilter/staging_folder.h"
 #include "kilter/base/expected.h"
 #include "kilter/occupancy/occupancy_options.h"
 #include "kilter/submap/submap.h"
@@ -27,13 +28,23 @@ enum class SubmapFormat { kOt, kBt, kPcd, kPly };
 /// unless `replace` and they were written by us. \return kUsage, kIo.
 [[nodiscard]] Expected<void> check_robot_folder(const std::filesystem::path& folder, bool replace);
 
-/// One robot's submaps as `folder`/submaps/000000.EXT ... and, last, `folder`/poses.tum with T_world_submap, every
-/// number reading back to the same double. Replaces what an earlier run wrote; files of others stay.
+/// Files that wait for their names, in the order in which they are to get them.
+struct WaitingSubmaps {
+  std::vector<std::filesystem::path> names;
+  std::size_t bytes = 0;
+};
+
+/// One robot's submaps as ROBOT/submaps/000000.EXT ... and, last, ROBOT/poses.tum with T_world_submap, every number
+/// reading back to the same double.
 /// \param stamps_ns  of each submap; empty = their numbers take the place of stamps
-/// \return  bytes written; or what submap_bytes fails with, kIo, kNoSpace.
-[[nodiscard]] Expected<std::size_t> write_submaps(const std::filesystem::path& folder,
-                                                  const std::vector<Submap>& submaps,
-                                                  const std::vector<std::int64_t>& stamps_ns, SubmapFormat format,
-                                                  const OccupancyOptions& options);
+/// \return  what submap_bytes fails with, kIo, kNoSpace.
+[[nodiscard]] Expected<WaitingSubmaps> write_submaps(const StagingFolder& staging, const std::string& robot,
+                                                     const std::vector<Submap>& submaps,
+                                                     const std::vector<std::int64_t>& stamps_ns, SubmapFormat format,
+                                                     const OccupancyOptions& options);
+
+/// Removes what an earlier run wrote into a robot's folder, poses first: without them nobody takes what is left for a
+/// robot. Files of others stay. \return kIo.
+[[nodiscard]] Expected<void> remove_earlier_submaps(const std::filesystem::path& folder);
 
 }  // namespace kilter::app

@@ -28,6 +28,8 @@
 namespace kilter::app {
 namespace {
 
+constexpr const char* kPoseGraph = "submaps.g2o";
+
 struct SubmapsCommand {
   CommonOptions common;
   std::vector<std::string> sources;
@@ -89,7 +91,7 @@ Done<Job> open_job(const SubmapsCommand& command) {
     if (!cuts) return failed(cuts.error());
     job.cuts = *std::move(cuts);
   }
-  if (auto fit = probe_output_folder(command.output_folder); !fit) return failed(fit.error(), true);
+  if (auto fit = probe_output_folder(command.output_folder, {kPoseGraph}); !fit) return failed(fit.error(), true);
   for (const RobotLog& robot : job.mission.robots) {
     if (auto fit = check_robot_folder(folder_of(command, robot), command.replace); !fit) {
       return failed(fit.error(), fit.error().code != ErrorCode::kUsage);
@@ -129,21 +131,27 @@ std::vector<std::int64_t> stamps_of(const RobotLog& robot, const std::vector<Sub
   return stamps_ns;
 }
 
-// Robot by robot, so that no more than one's submaps are in memory.
+Error stopped() { return {ErrorCode::kCancelled, "stopped on request; nothing was written", {}, {}}; }
+
+// Robot by robot, so that no more than one's submaps are in memory; what was there before goes when all are written.
 Done<std::vector<WrittenRobot>> write_all(const SubmapsCommand& command, const Job& job) {
   Progress progress(command.common.progress_style());
+  const Expected<StagingFolder> staging = StagingFolder::make_in(command.output_folder);
+  if (!staging) return failed(staging.error(), true);
+  std::vector<std::filesystem::path> names;
   std::vector<WrittenRobot> written;
   std::vector<SubmapSummary> vertices;
   for (std::size_t number = 0; number < job.mission.robots.size(); ++number) {
     const RobotLog& robot = job.mission.robots[number];
     const Expected<std::vector<Submap>> submaps = build(job, number, command, progress);
     if (!submaps) return failed(submaps.error());
-    if (stop_flag()) return failed({ErrorCode::kCancelled, "stopped on request", {}, {}});
+    if (stop_flag()) return failed(stopped());
     WrittenRobot& summary = written.emplace_back(WrittenRobot{robot.name, submaps->size(), 0, 0});
-    const Expected<std::size_t> bytes = write_submaps(folder_of(command, robot), *submaps, stamps_of(robot, *submaps),
-                                                      command.format, job.settings.check.submap.occupancy);
-    if (!bytes) return failed(bytes.error(), bytes.error().code != ErrorCode::kUnsupported);
-    summary.bytes = *bytes;
+    const Expected<WaitingSubmaps> waiting = write_submaps(*staging, robot.name, *submaps, stamps_of(robot, *submaps),
+                                                           command.format, job.settings.check.submap.occupancy);
+    if (!waiting) return failed(waiting.error(), waiting.error().code != ErrorCode::kUnsupported);
+    names.insert(names.end(), waiting->names.begin(), waiting->names.end());
+    summary.bytes = waiting->bytes;
     for (const Submap& submap : *submaps) {
       summary.occupied += submap.map.voxels().size();
       SubmapSummary& vertex = vertices.emplace_back();
@@ -152,9 +160,13 @@ Done<std::vector<WrittenRobot>> write_all(const SubmapsCommand& command, const J
       vertex.T_world_submap = submap.T_world_submap;
     }
   }
-  if (auto done = write_output_folder(command.output_folder, {{"submaps.g2o", submaps_g2o(vertices)}}); !done) {
-    return failed(done.error(), true);
+  names.emplace_back(kPoseGraph);
+  if (auto done = staging->write(kPoseGraph, submaps_g2o(vertices)); !done) return failed(done.error(), true);
+  if (stop_flag()) return failed(stopped());
+  for (const RobotLog& robot : job.mission.robots) {
+    if (auto done = remove_earlier_submaps(folder_of(command, robot)); !done) return failed(done.error(), true);
   }
+  if (auto done = staging->publish(names); !done) return failed(done.error(), true);
   return written;
 }
 
