@@ -52,6 +52,29 @@ void sync_folder(const std::filesystem::path& folder) {
   if (handle.is_open()) static_cast<void>(::fsync(handle.number()));
 }
 
+std::string_view name_of(std::filesystem::file_type type) {
+  switch (type) {
+    case std::filesystem::file_type::regular:
+      return "a file";
+    case std::filesystem::file_type::directory:
+      return "a folder";
+    case std::filesystem::file_type::fifo:
+      return "a pipe";
+    case std::filesystem::file_type::socket:
+      return "a socket";
+    default:
+      return "a device";
+  }
+}
+
+Expected<void> expect_type(const std::filesystem::path& path, std::filesystem::file_type wanted) {
+  const Expected<std::filesystem::file_type> type = type_at(path);
+  if (!type) return pass_up(type.error());
+  if (*type == wanted) return {};
+  return fail(ErrorCode::kIo, fmt::format("expected {}, found {} of that name", name_of(wanted), name_of(*type)),
+              shown(path), "give it another name, or move it away");
+}
+
 }  // namespace
 
 Expected<ByteBuffer> ByteBuffer::allocate(std::size_t size) {
@@ -133,6 +156,28 @@ bool is_folder(const std::filesystem::path& path) {
 bool is_file(const std::filesystem::path& path) {
   std::error_code error;
   return std::filesystem::is_regular_file(path, error);
+}
+
+Expected<std::filesystem::file_type> type_at(const std::filesystem::path& path) {
+  std::error_code error;
+  const std::filesystem::file_type type = std::filesystem::status(path, error).type();
+  if (type == std::filesystem::file_type::not_found) {
+    const std::filesystem::path target = std::filesystem::read_symlink(path, error);
+    if (error) return fail(ErrorCode::kNotFound, "there is no such file or folder", shown(path));
+    return fail(ErrorCode::kNotFound, fmt::format("a link to {}, where nothing is", shown(target)), shown(path),
+                "mount the disk that it leads to, or mend the link");
+  }
+  if (!error) return type;
+  return fail(ErrorCode::kIo, fmt::format("cannot be read: {}", error.message()), shown(path),
+              error == std::errc::too_many_symbolic_link_levels ? "mend the link, it leads back to itself" : "");
+}
+
+Expected<void> expect_folder(const std::filesystem::path& path) {
+  return expect_type(path, std::filesystem::file_type::directory);
+}
+
+Expected<void> expect_file(const std::filesystem::path& path) {
+  return expect_type(path, std::filesystem::file_type::regular);
 }
 
 std::string some_of(const std::vector<std::string>& names) {

@@ -54,6 +54,14 @@ inline constexpr std::uint64_t kMaxFileBytes = std::uint64_t{1} << 35;
 [[nodiscard]] bool is_folder(const std::filesystem::path& path);
 [[nodiscard]] bool is_file(const std::filesystem::path& path);
 
+/// What stands at a path, links followed. \return kNotFound (nothing, or a link to nothing), kIo (it cannot be looked
+/// at, links in a circle).
+[[nodiscard]] Expected<std::filesystem::file_type> type_at(const std::filesystem::path& path);
+
+/// Whether a folder, or a file, stands there, and why not. \return what type_at fails with; kIo (something else).
+[[nodiscard]] Expected<void> expect_folder(const std::filesystem::path& path);
+[[nodiscard]] Expected<void> expect_file(const std::filesystem::path& path);
+
 /// The first few of several names, fit to print: "a, b, c, d, e, ...".
 [[nodiscard]] std::string some_of(const std::vector<std::string>& names);
 

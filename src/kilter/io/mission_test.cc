@@ -278,10 +278,12 @@ TEST(OpenMission, RefusesScansThatWouldShiftOrMixTheOthers) {
   expect_error(open(folder), ErrorCode::kUnsupported, "one folder holds one format, found 0.pcd and 1.ply");
   fs::remove(folder.path() / "a/scans/1.ply");
   fs::create_symlink("gone.pcd", folder.path() / "a/scans/1.pcd");
-  expect_error(open(folder), ErrorCode::kUnsupported, "neither a file nor a link to one");
+  expect_error(open(folder), ErrorCode::kNotFound,
+               "1.pcd: a link to gone.pcd, where nothing is\n  try: mount the disk");
   fs::remove(folder.path() / "a/scans/1.pcd");
   ASSERT_EQ(::mkfifo((folder.path() / "a/scans/2.pcd").c_str(), 0600), 0);
-  expect_error(open(folder), ErrorCode::kUnsupported, "neither a file nor a link to one");
+  expect_error(open(folder), ErrorCode::kIo,
+               "2.pcd: expected a file, found a pipe of that name\n  try: give it another");
 }
 
 TEST(OpenMission, ReadsFinishedSubmaps) {

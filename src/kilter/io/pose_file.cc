@@ -13,9 +13,13 @@ Expected<std::filesystem::path> find_pose_file(const std::filesystem::path& fold
   if (!names) return pass_up(names.error());
   std::vector<std::string> found;
   for (const std::string& name : *names) {
-    if (name.starts_with("poses.") && is_file(folder / name)) found.push_back(name);
+    // A link that leads nowhere was meant to be one.
+    if (name.starts_with("poses.") && !is_folder(folder / name)) found.push_back(name);
   }
-  if (found.size() == 1) return folder / found.front();
+  if (found.size() == 1) {
+    if (auto ok = expect_file(folder / found.front()); !ok) return pass_up(ok.error());
+    return folder / found.front();
+  }
   if (found.empty()) {
     return fail(ErrorCode::kNotFound, "expected a file poses.*, found none", shown(folder),
                 "one pose T_world_sensor per scan, e.g. poses.tum with lines `t x y z qx qy qz qw`");

@@ -57,10 +57,7 @@ Expected<std::vector<std::string>> list_clouds_of(const fs::path& folder) {
   for (const std::string& name : *names) {
     const std::optional<CloudFormat> format = cloud_format_of(name);
     if (name.starts_with('.') || !format) continue;
-    if (!is_file(folder / name)) {
-      return fail(ErrorCode::kUnsupported, "named like a cloud, but neither a file nor a link to one",
-                  shown(folder / name));
-    }
+    if (auto ok = expect_file(folder / name); !ok) return pass_up(ok.error());
     if (!clouds.empty() && *format != *cloud_format_of(clouds.front())) {
       return fail(ErrorCode::kUnsupported,
                   fmt::format("one folder holds one format, found {} and {}", printable(clouds.front(), 80),

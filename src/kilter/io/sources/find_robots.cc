@@ -13,6 +13,7 @@
 #include "kilter/io/file.h"
 #include "kilter/io/sources/cloud_folder.h"
 #include "kilter/io/sources/foreign_file.h"
+#include "kilter/io/sources/missed_robot.h"
 #include "kilter/io/sources/robot_folder.h"
 
 namespace kilter {
@@ -71,16 +72,6 @@ Expected<FoundRobot> robot_from_path(const fs::path& path, const SourceKind& kin
   return FoundRobot{name, path, &kind, {}};
 }
 
-Expected<void> check_exists(const fs::path& path) {
-  std::error_code error;
-  const fs::file_status status = fs::status(path, error);
-  if (status.type() == fs::file_type::not_found) {
-    return fail(ErrorCode::kNotFound, "there is no such file or folder", shown(path));
-  }
-  if (error) return fail(ErrorCode::kIo, fmt::format("cannot be read: {}", error.message()), shown(path));
-  return {};
-}
-
 tl::unexpected<Error> refuse_file(const fs::path& path) {
   return fail(ErrorCode::kUnsupported, "expected a folder or a file of a kind that kilter reads, found another file",
               shown(path), known_kinds());
@@ -95,16 +86,33 @@ bool leads_to_neighbour(const fs::path& entry) {
   return !error && target.parent_path() == folder;
 }
 
+// What lies in a mission and is nobody's: mkfs makes lost+found at the top of a disk, for root alone.
+bool is_of_no_robot(const std::string& name) { return name.starts_with('.') || name == "lost+found"; }
+
+// No robot is left out without a word, whatever keeps it from being read.
+tl::unexpected<Error> refuse_neighbour(Error error) {
+  if (error.hint.empty()) error.hint = "let it be read, or name the robots one by one: NAME=PATH";
+  return pass_up(std::move(error));
+}
+
 // Robot folders among a folder's folders; if there are none, folders of any other kind.
 Expected<std::vector<fs::path>> robots_inside(const fs::path& folder) {
   const auto names = list_folder(folder);
   if (!names) return pass_up(names.error());
   std::vector<fs::path> own;
   std::vector<fs::path> other;
+  std::vector<fs::path> none;
   for (const std::string& name : *names) {
-    if (name.starts_with('.') || !is_folder(folder / name) || leads_to_neighbour(folder / name)) continue;
+    if (is_of_no_robot(name)) continue;
+    const auto type = type_at(folder / name);
+    if (!type) return refuse_neighbour(type.error());
+    if (*type != fs::file_type::directory || leads_to_neighbour(folder / name)) continue;
     const SourceKind* kind = recognise(folder / name);
-    if (kind != nullptr) (kind->open == open_robot_folder ? own : other).push_back(folder / name);
+    (kind == nullptr ? none : kind->open == open_robot_folder ? own : other).push_back(folder / name);
+  }
+  if (!own.empty()) none.insert(none.end(), other.begin(), other.end());
+  for (const fs::path& passed_over : none) {
+    if (auto ok = check_holds_no_robot(passed_over); !ok) return refuse_neighbour(ok.error());
   }
   return own.empty() ? other : own;
 }
@@ -149,7 +157,7 @@ tl::unexpected<Error> refuse_folder(const fs::path& path) {
     return fail(ErrorCode::kEmptyInput, what, shown(path),
                 "one level further down there are robots, in " + some_of(missions));
   }
-  if (clouds.error().code == ErrorCode::kUnsupported) return pass_up(clouds.error());
+  if (clouds.error().code != ErrorCode::kEmptyInput) return pass_up(clouds.error());
   if (const auto files = find_inside(path, is_source_file); !files.empty()) {
     return fail(ErrorCode::kEmptyInput, what, shown(path),
                 "files are named one by one, each a robot: " + some_of(files));
@@ -170,15 +178,18 @@ Expected<std::vector<FoundRobot>> robots_of_named(const std::string& name, const
   if (const auto fault = find_fault(name)) {
     return fail(ErrorCode::kUsage, fmt::format("\"{}\" cannot be a robot's name: {}", printable(name, 80), *fault));
   }
-  if (auto ok = check_exists(path); !ok) {
-    ok.error().hint = fmt::format("a folder whose own name has a '=' is written ./{}=...", printable(name, 80));
-    return pass_up(std::move(ok.error()));
+  if (auto type = type_at(path); !type) {
+    if (type.error().hint.empty() && type.error().code == ErrorCode::kNotFound) {
+      type.error().hint = fmt::format("a folder whose own name has a '=' is written ./{}=...", printable(name, 80));
+    }
+    return pass_up(std::move(type.error()));
   }
   const SourceKind* kind = recognise(path);
   if (kind == nullptr && !is_folder(path)) return refuse_file(path);
   if (kind == nullptr) {
+    if (auto ok = check_holds_no_robot(path); !ok) return pass_up(ok.error());
     const auto clouds = list_clouds_of(path);
-    if (clouds || clouds.error().code == ErrorCode::kUnsupported) return refuse_folder(path);
+    if (clouds || clouds.error().code != ErrorCode::kEmptyInput) return refuse_folder(path);
     return fail(ErrorCode::kNotFound, "expected scans/ or submaps/ in it, or another kind of source, found neither",
                 shown(path), known_kinds());
   }
@@ -187,7 +198,7 @@ Expected<std::vector<FoundRobot>> robots_of_named(const std::string& name, const
 
 Expected<std::vector<FoundRobot>> robots_of_path(const PathAndTopics& parts) {
   const fs::path& path = parts.path;
-  if (auto ok = check_exists(path); !ok) return pass_up(ok.error());
+  if (const auto type = type_at(path); !type) return pass_up(type.error());
   std::vector<fs::path> candidates;
   if (recognise(path) != nullptr) {
     candidates.push_back(path);
@@ -198,7 +209,10 @@ Expected<std::vector<FoundRobot>> robots_of_path(const PathAndTopics& parts) {
     if (!inside) return pass_up(inside.error());
     candidates = *std::move(inside);
   }
-  if (candidates.empty()) return refuse_folder(path);
+  if (candidates.empty()) {
+    if (auto ok = check_holds_no_robot(path); !ok) return pass_up(ok.error());
+    return refuse_folder(path);
+  }
   std::vector<FoundRobot> robots;
   for (const fs::path& candidate : candidates) {
     Expected<FoundRobot> robot = robot_from_path(candidate, *recognise(candidate));

@@ -46,11 +46,8 @@ Expected<CloudList> list_clouds(const fs::path& folder, bool finished_submaps) {
       list.ignored.push_back(std::move(name));
       continue;
     }
-    if (!is_file(folder / name)) {
-      // Passing it over would shift every later scan to another pose.
-      return fail(ErrorCode::kUnsupported, "named like a cloud, but neither a file nor a link to one",
-                  shown(folder / name));
-    }
+    // Passing it over would shift every later scan to another pose.
+    if (auto ok = expect_file(folder / name); !ok) return pass_up(ok.error());
     if (first_family && *family != *first_family) {
       return fail(ErrorCode::kUnsupported,
                   fmt::format("one folder holds one format, found {} and {}", printable(list.files.front(), 80),
