@@ -44,6 +44,14 @@ def scan(number: int, suffix: str, content: bytes) -> Callable[[Path], None]:
     return apply
 
 
+def scans(content: bytes) -> Callable[[Path], None]:
+    """Replaces all of robot a's scans."""
+    def apply(mission: Path) -> None:
+        for file in (mission / "a" / "scans").iterdir():
+            file.write_bytes(content)
+    return apply
+
+
 def remove(name: str) -> Callable[[Path], None]:
     def apply(mission: Path) -> None:
         path = mission / name
@@ -73,6 +81,8 @@ DAMAGES = {
     "a pcd without a header": (scan(0, ".pcd", b"\x00" * 64), "", "000000.pcd"),
     "a ply with a negative count": (scan(0, ".ply", ply("-1")), "parse", "000000.ply"),
     "a ply that claims four billion points": (scan(0, ".ply", ply("4000000000")), "truncated", "000000.ply"),
+    "scans of nothing but NaN": (scans(struct.pack("<4f", NAN, NAN, NAN, 0) * 100), "invalid-points", "000000.bin"),
+    "georeferenced scans": (scans(struct.pack("<4f", 691e3, 5334e3, 500, 0) * 100), "invalid-points", "georeferenced"),
     "a format that nobody reads": (scan(0, ".laz", b"LASF"), "empty-input", "only 000000.laz"),
 }
 
@@ -182,11 +192,17 @@ class Malformed(unittest.TestCase):
                 self.refused(3, code, "broken.json", self.tiny.mission, "--cuts", broken)
 
     def test_a_scan_without_one_usable_point_is_told_of(self):
-        mission = self.tiny.copy("empty", scans=1)
+        mission = self.tiny.copy("patchy")
         (mission / "a" / "scans" / "000000.bin").write_bytes(struct.pack("<4f", NAN, NAN, NAN, 0.0) * 50)
-        run = run_kilter("check", mission, "-o", self.tiny.folder / "empty-out")
+        run = run_kilter("check", mission, "-o", self.tiny.folder / "patchy-out")
         self.assertEqual(run.status, 4)
         self.assertIn("robot a: 50 points were left out", run.stderr)
+
+    def test_a_submap_without_surface_is_told_of(self):
+        mission = self.tiny.copy("near", scans=1)
+        (mission / "a" / "scans" / "000000.bin").write_bytes(struct.pack("<4f", 0.1, 0.0, 0.0, 0.0) * 50)
+        run = run_kilter("check", mission, "-o", self.tiny.folder / "near-out")
+        self.assertEqual(run.status, 4)
         self.assertIn("submap a/1 holds no surface", run.stderr)
 
     def test_bytes_that_steer_a_terminal_never_reach_it(self):

@@ -104,6 +104,10 @@ class RegisterTest(unittest.TestCase):
         done = self.register("--init", "1 2 3")
         self.assertEqual(done.status, 2)
         self.assertIn("--init: expected x y z qx qy qz qw", done.stderr)
+        write_bin(self.root / "utm.bin", [(691e3, 5334e3, 500.0)] * 100)
+        done = run_kilter("register", self.root / "target.bin", self.root / "utm.bin")
+        self.assertEqual(done.status, 3)
+        self.assertIn(f"invalid-points: {self.root / 'utm.bin'}: none of its 100 points", done.stderr)
         (self.root / "empty.bin").write_bytes(b"")
         self.assertEqual(run_kilter("register", self.root / "target.bin", self.root / "empty.bin").status, 3)
 

@@ -28,6 +28,7 @@
 #include "kilter/io/mission.h"
 #include "kilter/io/octree_writer.h"
 #include "kilter/io/temporary_file.h"
+#include "kilter/io/usable_points.h"
 #include "kilter/pipeline/check.h"
 #include "kilter/report/coloured_ply.h"
 #include "kilter/report/constraints_g2o.h"
@@ -88,6 +89,9 @@ Expected<Job> open_job(const CheckCommand& command) {
   if (!mission) return pass_up(mission.error());
   job.mission = *std::move(mission);
   if (auto fit = check_map_names(command, job.mission); !fit) return pass_up(fit.error());
+  for (const RobotLog& robot : job.mission.robots) {
+    if (auto usable = check_usable(robot); !usable) return pass_up(usable.error());
+  }
   if (command.cuts) {
     Expected<Cuts> cuts = read_cuts_for(job.mission, *command.cuts);
     if (!cuts) return pass_up(cuts.error());

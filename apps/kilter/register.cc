@@ -20,6 +20,7 @@
 #include "kilter/io/cloud_file.h"
 #include "kilter/io/file.h"
 #include "kilter/io/octree_reader.h"
+#include "kilter/io/usable_points.h"
 #include "kilter/pipeline/register_clouds.h"
 #include "kilter/report/cloud_ply.h"
 #include "kilter/report/json_writer.h"
@@ -102,11 +103,18 @@ std::string as_text(const PairEvidence& pair) {
 }
 
 // Of a tree the occupied cells' centres.
-Expected<PointCloud> read_points(const std::string& file) {
+Expected<PointCloud> read_file_of_points(const std::string& file) {
   if (!has_octree_name(file)) return read_cloud_file(file);
   const Expected<OccupancyCells> cells = read_octree_file(file);
   if (!cells) return pass_up(cells.error());
   return occupied_centres(*cells);
+}
+
+Expected<PointCloud> read_points(const std::string& file) {
+  Expected<PointCloud> cloud = read_file_of_points(file);
+  if (!cloud) return cloud;
+  if (auto usable = check_usable(*cloud, shown(file)); !usable) return pass_up(usable.error());
+  return cloud;
 }
 
 Expected<CloudPair> read_clouds(const RegisterCommand& command) {

@@ -38,8 +38,8 @@ constexpr std::array kCatalog = {
                  "A pose holds NaN or Inf, its quaternion is more than 1 % away from unit length, or its matrix is not "
                  "a rotation. Often columns are in another order (kilter reads x y z qx qy qz qw). Exit status 3."},
     CatalogEntry{ErrorCode::kInvalidPoints, "invalid-points",
-                 "A cloud has no point that can be used: all are NaN, infinite or farther than any lidar sees. Exit "
-                 "status 3."},
+                 "A cloud, or each of a robot's scans, has no point that can be used: there is none, or all are NaN, "
+                 "infinite or farther than any lidar sees (10 km), as georeferenced coordinates are. Exit status 3."},
     CatalogEntry{ErrorCode::kUnsupported, "unsupported",
                  "The file is of a known kind or variant that kilter does not read. The message says what to convert "
                  "it to. Exit status 3."},

@@ -120,11 +120,10 @@ class Finder {
   void look_at_first_cloud() {
     const std::size_t all = seen_.first_points + seen_.first_dropped;
     if (all == 0) return;
-    if (2 * seen_.first_dropped > all || seen_.median_range_m.value_or(0.0) > kLidarRange_m) {
-      say("millimetres", seen_.median_range_m
-                             ? fmt::format("the first cloud's median range is {:.0f} m, {} of {} points are left out",
-                                           *seen_.median_range_m, seen_.first_dropped, all)
-                             : fmt::format("all {} points of the first cloud are left out", all));
+    // Of a cloud in millimetres some points are always near enough to be kept.
+    if (seen_.median_range_m.value_or(0.0) > kLidarRange_m) {
+      say("millimetres", fmt::format("the first cloud's median range is {:.0f} m, {} of {} points are left out",
+                                     *seen_.median_range_m, seen_.first_dropped, all));
     } else if (10 * seen_.first_dropped >= all) {
       say("dropped-points", fmt::format("{} of {} points of the first cloud", seen_.first_dropped, all));
     }

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "kilter/io/find_oddities.h"
+#include "kilter/io/usable_points.h"
 
 namespace kilter {
 namespace {
@@ -92,6 +93,9 @@ Expected<RobotInspection> look_at(const RobotLog& robot, std::size_t submaps) {
   if (!robot.read_cloud) return seen;  // occupancy maps have no points
   const Expected<PointCloud> cloud = robot.read_cloud(0);
   if (!cloud) return pass_up(cloud.error());
+  if (cloud->points_m.empty()) {
+    if (auto ok = check_usable(robot); !ok) return pass_up(ok.error());
+  }
   seen.first_points = cloud->points_m.size();
   seen.first_dropped = cloud->dropped_nonfinite + cloud->dropped_far;
   if (!cloud->points_m.empty()) seen.median_range_m = median_range_m(*cloud);

@@ -193,6 +193,30 @@ TEST(FindOddities, SeesCloudsWithoutPosesAndPoorClouds) {
   EXPECT_EQ(codes(inspected({std::move(poor)})), (Codes{"dropped-points", "few-points"}));
 }
 
+TEST(FindOddities, TakesNoPointsThatAreNoneForMillimetres) {
+  RobotLog log = robot("a");
+  const auto read = log.read_cloud;
+  for (const float x : {std::numeric_limits<float>::quiet_NaN(), 691'000.0F}) {
+    log.read_cloud = [read, x](std::size_t i) -> Expected<PointCloud> {
+      if (i > 0) return read(i);
+      PointCloud cloud;
+      for (int k = 0; k < 2000; ++k) cloud.add(x, 0.0F, 0.0F);
+      return cloud;
+    };
+    EXPECT_EQ(codes(inspected({log})), (Codes{"dropped-points", "few-points"}));
+  }
+}
+
+TEST(Inspect, RefusesARobotWithoutAPointThatCanBeUsed) {
+  Mission mission;
+  mission.robots.push_back(robot("a"));
+  mission.robots[0].read_cloud = [](std::size_t) -> Expected<PointCloud> { return PointCloud{{}, 5, 0}; };
+  const auto inspection = inspect(mission, {});
+  ASSERT_FALSE(inspection);
+  EXPECT_EQ(inspection.error().code, ErrorCode::kInvalidPoints);
+  EXPECT_EQ(inspection.error().where, "scan 0");
+}
+
 TEST(Inspect, PassesOnWhatIsWrongWithTheFirstCloud) {
   Mission mission;
   mission.robots.push_back(robot("a"));
