@@ -102,6 +102,7 @@ ARGUMENTS = {
     "another preset": (["--preset", "paper"], 2, "usage", "preset"),
     "another fail-on": (["--fail-on", "monday"], 2, "usage", "fail-on"),
     "a sensor on no robot": (["--set", "T_body_sensor.zz=0 0 0 0 0 0 1"], 2, "config", "zz"),
+    "a sensor beyond the Moon": (["--set", "T_body_sensor=1e19 0 0 0 0 0 1"], 2, "config", "beyond 1e+08 m"),
     "a sensor of six numbers": (["--set", "T_body_sensor=0 0 0 0 0 1"], 2, "config", "6 numbers"),
     "poses of nobody": (["--poses", "no/such/poses"], 3, "not-found", "no/such/poses"),
     "cuts of nothing": (["--cuts", "no/such/result"], 3, "not-found", "no/such/result"),

@@ -104,6 +104,10 @@ class RegisterTest(unittest.TestCase):
         done = self.register("--init", "1 2 3")
         self.assertEqual(done.status, 2)
         self.assertIn("--init: expected x y z qx qy qz qw", done.stderr)
+        for far in ("1e300", "1e19", "-2e8"):
+            done = self.register("--init", f"0 {far} 0 0 0 0 1")
+            self.assertEqual(done.status, 2)
+            self.assertIn("usage: --init: expected x y z qx qy qz qw, found a position beyond 1e+08 m", done.stderr)
         write_bin(self.root / "utm.bin", [(691e3, 5334e3, 500.0)] * 100)
         done = run_kilter("register", self.root / "target.bin", self.root / "utm.bin")
         self.assertEqual(done.status, 3)

@@ -128,7 +128,7 @@ Expected<CloudPair> read_clouds(const RegisterCommand& command) {
   clouds.scans = command.scans;
   if (command.init) {
     const Expected<Pose3> init = parse_pose(*command.init, "--init");
-    if (!init) return pass_up(init.error());
+    if (!init) return fail(ErrorCode::kUsage, init.error().message, {}, "metres, then a quaternion of length 1");
     clouds.T_target_source_init = *init;
   }
   return clouds;

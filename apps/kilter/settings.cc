@@ -7,6 +7,8 @@
 
 #include <fmt/format.h>
 
+#include "kilter/io/pose_reader.h"
+
 namespace kilter::app {
 namespace {
 
@@ -35,6 +37,10 @@ Expected<Pose3> pose_from_numbers(const std::vector<double>& numbers, std::strin
   const Eigen::Quaterniond rotation(numbers[6], numbers[3], numbers[4], numbers[5]);
   if (std::abs(rotation.norm() - 1.0) > 0.01) {
     return refuse_pose(name, fmt::format("a quaternion of length {:.3g}, not 1", rotation.norm()));
+  }
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    if (std::abs(numbers[axis]) <= kMaxPosition_m) continue;
+    return refuse_pose(name, fmt::format("a position beyond {:g} m: {:g}", kMaxPosition_m, numbers[axis]));
   }
   return Pose3(rotation, Eigen::Vector3d(numbers[0], numbers[1], numbers[2]));
 }
