@@ -103,6 +103,7 @@ ARGUMENTS = {
     "another fail-on": (["--fail-on", "monday"], 2, "usage", "fail-on"),
     "a sensor on no robot": (["--set", "T_body_sensor.zz=0 0 0 0 0 0 1"], 2, "config", "zz"),
     "a sensor beyond the Moon": (["--set", "T_body_sensor=1e19 0 0 0 0 0 1"], 2, "config", "beyond 1e+08 m"),
+    "no range at all": (["--set", "min_range=50", "--set", "max_range=10"], 2, "config", "min_range"),
     "a sensor of six numbers": (["--set", "T_body_sensor=0 0 0 0 0 1"], 2, "config", "6 numbers"),
     "poses of nobody": (["--poses", "no/such/poses"], 3, "not-found", "no/such/poses"),
     "cuts of nothing": (["--cuts", "no/such/result"], 3, "not-found", "no/such/result"),

@@ -59,6 +59,7 @@ Expected<Settings> read_settings(const CommonOptions& options, bool seed_preset)
       return pass_up(done.error());
     }
   }
+  if (auto fit = validate(settings.check.submap.occupancy); !fit) return pass_up(fit.error());
   return settings;
 }
 

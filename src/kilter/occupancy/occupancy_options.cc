@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "kilter/occupancy/occupancy_options.h"
 
+#include <fmt/format.h>
+
 namespace kilter {
 
 std::vector<OptionField> fields(OccupancyOptions& o) {
@@ -20,6 +22,14 @@ std::vector<OptionField> fields(OccupancyOptions& o) {
       real_option("occupancy_threshold", o.occupancy_threshold, Unit::kNone, 0.01, 0.99,
                   "A voxel is occupied from this probability on."),
   };
+}
+
+Expected<void> validate(const OccupancyOptions& o) {
+  if (o.min_range_m < o.max_range_m) return {};
+  return fail(
+      ErrorCode::kConfig,
+      fmt::format("min_range: expected less than max_range, which is {} m, found {} m", o.max_range_m, o.min_range_m),
+      {}, "lower min_range or raise max_range: returns between the two are what kilter works with");
 }
 
 }  // namespace kilter

@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "kilter/base/expected.h"
 #include "kilter/base/option_table.h"
 
 namespace kilter {
@@ -21,5 +22,8 @@ struct OccupancyOptions {
 };
 
 [[nodiscard]] std::vector<OptionField> fields(OccupancyOptions& options);
+
+/// What no single option shows. \return kConfig: min_range leaves nothing below max_range.
+[[nodiscard]] Expected<void> validate(const OccupancyOptions& options);
 
 }  // namespace kilter
