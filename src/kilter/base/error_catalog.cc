@@ -41,8 +41,9 @@ constexpr std::array kCatalog = {
                  "A cloud, or each of a robot's scans, has no point that can be used: there is none, or all are NaN, "
                  "infinite or farther than any lidar sees (10 km), as georeferenced coordinates are. Exit status 3."},
     CatalogEntry{ErrorCode::kUnsupported, "unsupported",
-                 "The file is of a known kind or variant that kilter does not read. The message says what to convert "
-                 "it to. Exit status 3."},
+                 "A file is of a kind or variant that kilter does not read, or a folder holds what does not belong "
+                 "together, such as clouds of two formats. Convert the file to .pcd, .ply or .ot, or move away what "
+                 "does not belong there; docs/sources.md says what is read. Exit status 3."},
     CatalogEntry{ErrorCode::kEmptyInput, "empty-input",
                  "The source holds no robot, or a robot holds no scan. Exit status 3."},
     CatalogEntry{ErrorCode::kMissingDependency, "missing-dependency",

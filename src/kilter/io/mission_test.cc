@@ -147,6 +147,8 @@ TEST(OpenMission, RefusesNamesGivenTwiceOrUnfitForKeys) {
   expect_error(open_mission({"a\x1B=" + path}), ErrorCode::kUsage, "\"a?\" cannot be a robot's name: it holds control");
   expect_error(open_mission({"\xFF=" + path}), ErrorCode::kUsage, "not UTF-8");
   expect_error(open_mission({}), ErrorCode::kUsage, "no source given");
+  expect_error(open_mission({""}), ErrorCode::kUsage, "source \"\": expected a path, found none");
+  expect_error(open_mission({"a="}), ErrorCode::kUsage, "source \"a=\": expected a path, found none");
   write_robot(folder, "a,b", 1);
   expect_error(open(folder), ErrorCode::kUnsupported, "comma");
 }
@@ -275,7 +277,8 @@ TEST(OpenMission, RefusesScansThatWouldShiftOrMixTheOthers) {
   folder.write("a/scans/0.pcd", scan(0));
   EXPECT_TRUE(open(folder));
   folder.write("a/scans/1.ply", "");
-  expect_error(open(folder), ErrorCode::kUnsupported, "one folder holds one format, found 0.pcd and 1.ply");
+  expect_error(open(folder), ErrorCode::kUnsupported,
+               "one folder holds one format, found 0.pcd and 1.ply\n  try: move");
   fs::remove(folder.path() / "a/scans/1.ply");
   fs::create_symlink("gone.pcd", folder.path() / "a/scans/1.pcd");
   expect_error(open(folder), ErrorCode::kNotFound,
@@ -299,7 +302,7 @@ TEST(OpenMission, ReadsFinishedSubmaps) {
   folder.write("a/submaps/1.bt", "");
   expect_error(open(folder), ErrorCode::kUnsupported, "one folder holds one format, found 0.ply and 1.bt");
   fs::create_directory(folder.path() / "a/scans");
-  expect_error(open(folder), ErrorCode::kUnsupported, "both scans/ and submaps/");
+  expect_error(open(folder), ErrorCode::kUnsupported, "both scans/ and submaps/, expected one of them\n  try: move");
 }
 
 TEST(OpenMission, ReadsTreesAsFinishedSubmapsWithTheirCells) {

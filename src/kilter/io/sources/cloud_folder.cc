@@ -62,7 +62,7 @@ Expected<std::vector<std::string>> list_clouds_of(const fs::path& folder) {
       return fail(ErrorCode::kUnsupported,
                   fmt::format("one folder holds one format, found {} and {}", printable(clouds.front(), 80),
                               printable(name, 80)),
-                  shown(folder));
+                  shown(folder), "move the files of one of them away");
     }
     clouds.push_back(name);
   }

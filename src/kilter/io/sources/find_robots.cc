@@ -224,6 +224,11 @@ Expected<std::vector<FoundRobot>> robots_of_path(const PathAndTopics& parts) {
 }
 
 Expected<std::vector<FoundRobot>> robots_of_source(const std::string& source) {
+  // Most often a variable of a script that was never set.
+  if (source.empty() || (source.ends_with('=') && source.find('/') == std::string::npos)) {
+    return fail(ErrorCode::kUsage, "expected a path, found none", fmt::format("source \"{}\"", printable(source, 80)),
+                "a folder or a file, or NAME=PATH");
+  }
   const std::size_t equals = source.find('=');
   if (equals != std::string::npos && source.find('/') > equals) {
     return robots_of_named(source.substr(0, equals), split_topics(source.substr(equals + 1)));

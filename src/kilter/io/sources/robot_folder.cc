@@ -52,7 +52,7 @@ Expected<CloudList> list_clouds(const fs::path& folder, bool finished_submaps) {
       return fail(ErrorCode::kUnsupported,
                   fmt::format("one folder holds one format, found {} and {}", printable(list.files.front(), 80),
                               printable(name, 80)),
-                  shown(folder));
+                  shown(folder), "move the files of one of them away");
     }
     first_family = family;
     list.files.push_back(std::move(name));
@@ -112,7 +112,8 @@ Expected<RobotLog> open_robot_folder(const SourceRequest& request, std::vector<s
   log.name = request.name;
   log.finished_submaps = is_folder(request.path / "submaps");
   if (log.finished_submaps && is_folder(request.path / "scans")) {
-    return fail(ErrorCode::kUnsupported, "found both scans/ and submaps/, expected one of them", shown(request.path));
+    return fail(ErrorCode::kUnsupported, "found both scans/ and submaps/, expected one of them", shown(request.path),
+                "move one of them into another robot's folder, with its poses.*");
   }
   const fs::path clouds = request.path / (log.finished_submaps ? "submaps" : "scans");
   const Expected<CloudList> list = list_clouds(clouds, log.finished_submaps);
