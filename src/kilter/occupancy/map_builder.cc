@@ -28,7 +28,10 @@ MapBuilder::MapBuilder(const OccupancyOptions& options, VectorPath path)
     : options_(options), trace_(trace_rays_with(path)), blocks_(LogOddsModel(options)) {}
 
 void MapBuilder::insert_scan(std::span<const Eigen::Vector3d> points_m, const Eigen::Vector3d& origin_m) {
-  if (!on_lattice(origin_m, options_.resolution_m)) return;
+  if (!on_lattice(origin_m, options_.resolution_m)) {
+    points_off_lattice_ += points_m.size();
+    return;
+  }
   has_free_space_ = true;
   const std::size_t first_hit = hits_.size();
   const Eigen::Vector3f from_m = origin_m.cast<float>();
@@ -47,7 +50,10 @@ void MapBuilder::insert_points(std::span<const Eigen::Vector3d> points_m) {
   const std::size_t first_hit = hits_.size();
   Eigen::AlignedBox3f box_m;
   for (const Eigen::Vector3d& point_m : points_m) {
-    if (!on_lattice(point_m, options_.resolution_m)) continue;
+    if (!on_lattice(point_m, options_.resolution_m)) {
+      ++points_off_lattice_;
+      continue;
+    }
     hits_.push_back({point_m.cast<float>(), kNoOrigin});
     box_m.extend(hits_.back().point_m);
   }
@@ -62,7 +68,10 @@ void MapBuilder::take_returns(std::span<const Eigen::Vector3d> points_m, const E
   ends_m_.clear_for(points_m.size());
   const auto origin = static_cast<std::uint32_t>(origins_m_.size() - 1);
   for (const Eigen::Vector3d& point_m : points_m) {
-    if (!on_lattice(point_m, options_.resolution_m)) continue;
+    if (!on_lattice(point_m, options_.resolution_m)) {
+      ++points_off_lattice_;
+      continue;
+    }
     const Eigen::Vector3f to_m = point_m.cast<float>();
     const double range_m = ray_length_m(to_m - origin_m);
     if (!(range_m >= options_.min_range_m) || range_m == 0.0) continue;

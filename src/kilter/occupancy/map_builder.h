@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -27,11 +28,15 @@ class MapBuilder {
   MapBuilder(const OccupancyOptions& options, VectorPath path);
 
   /// Adds one scan. Both in the map's frame, rounded to float. [m] A point at the origin is no return. What lies off
-  /// the lattice is left out. O(points * range / resolution).
+  /// the lattice is left out and counted; all of a scan whose origin does. O(points * range / resolution).
   void insert_scan(std::span<const Eigen::Vector3d> points_m, const Eigen::Vector3d& origin_m);
 
-  /// Adds points without a sensor origin: one hit for each voxel, nothing becomes free.
+  /// Adds points without a sensor origin: one hit for each voxel, nothing becomes free. What lies off
+  /// the lattice is left out and counted.
   void insert_points(std::span<const Eigen::Vector3d> points_m);
+
+  /// Points that were left out so far because they, or their scan's origin, lie off the lattice.
+  [[nodiscard]] std::size_t points_off_lattice() const { return points_off_lattice_; }
 
   /// The finished map with centroids and normals; the builder is empty afterwards.
   [[nodiscard]] VoxelMap finish();
@@ -50,6 +55,7 @@ class MapBuilder {
 
   OccupancyOptions options_;
   bool has_free_space_ = false;
+  std::size_t points_off_lattice_ = 0;
   TraceRays trace_;
   ScanMarks marks_;
   BlockStore blocks_;

@@ -22,6 +22,18 @@ TEST(MapBuilder, RayFreesTheVoxelsBeforeItsEnd) {
   EXPECT_TRUE(map.has_free_space());
 }
 
+TEST(MapBuilder, CountsWhatLiesOffTheLattice) {
+  MapBuilder builder({.resolution_m = 0.1, .min_range_m = 0.0});
+  const std::vector<Eigen::Vector3d> points = {{1.05, 0.05, 0.05}, {1e6, 0.0, 0.0}};
+  builder.insert_scan(points, kOrigin);
+  EXPECT_EQ(builder.points_off_lattice(), 1U);
+  builder.insert_points(points);
+  EXPECT_EQ(builder.points_off_lattice(), 2U);
+  builder.insert_scan(points, Eigen::Vector3d(1e6, 0.0, 0.0));
+  EXPECT_EQ(builder.points_off_lattice(), 4U);
+  EXPECT_EQ(builder.finish().voxels().size(), 1U);
+}
+
 TEST(MapBuilder, EveryTracedVoxelTouchesTheRay) {
   Rng rng(1, 0);
   for (int i = 0; i < 200; ++i) {

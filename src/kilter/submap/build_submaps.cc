@@ -73,6 +73,7 @@ Expected<VoxelMap> map_of_clouds(const RobotLog& log, const ScanRange& range, co
     const Expected<void> done = integrate(log, scan, pose_in_submap(log, range.first, scan), builder, submap);
     if (!done) return pass_up(done.error());
   }
+  submap.dropped_points += builder.points_off_lattice();
   return builder.finish();
 }
 

@@ -38,6 +38,15 @@ TEST(BuildSubmaps, CutsNamesAndPlacesThem) {
   EXPECT_EQ(second.dropped_points, 10U);
 }
 
+TEST(BuildSubmaps, PointsOfScansFarFromTheirSubmapAreCountedAsDropped) {
+  RobotLog log = wall_log(3);
+  for (std::size_t i = 1; i < 3; ++i) log.T_world_cloud[i] = Pose3::from_translation(691'000.0, 5'334'000.0, 500.0);
+  const auto submaps = build_submaps(log, 0, {}, {}, std::vector<ScanRange>{{0, 2}});
+  ASSERT_EQ(submaps->size(), 1U);
+  EXPECT_GT((*submaps)[0].map.voxels().size(), 90U);
+  EXPECT_EQ((*submaps)[0].dropped_points, 3U + 2U * 201U);
+}
+
 TEST(BuildSubmaps, ThreadsChangeNothing) {
   const auto one = build_submaps(wall_log(40), 0, {}, {.threads = 1});
   const auto four = build_submaps(wall_log(40), 0, {}, {.threads = 4});

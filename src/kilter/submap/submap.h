@@ -26,7 +26,7 @@ struct SubmapNode {
   std::vector<Eigen::Vector3d> origins_m;
   double path_start_m = 0.0;       ///< travelled by the robot before this submap
   double path_end_m = 0.0;         ///< travelled by the robot when this submap ended
-  std::size_t dropped_points = 0;  ///< NaN, infinite or out of reach while reading
+  std::size_t dropped_points = 0;  ///< NaN, infinite or too far from the submap's frame
 };
 
 /// Box around a box that is moved, for what is axis-aligned in one frame and asked for in another; empty if it is. [m]
