@@ -16,10 +16,14 @@ TEXT = b"".join(b"%g %g %g\n" % p for p in POINTS)
 
 
 def odd_points(pack: str) -> Iterator[tuple[str, bytes]]:
-    """Six points, one of which no sensor has seen; and all of them so."""
+    """Six points, one of which no sensor has seen."""
     for bad in FAR_REALS:
         yield f"one_point_{bad}", b"".join(struct.pack(pack, *p) for p in [*POINTS[:3], (bad, 0, 0), *POINTS[4:]])
-    yield "nothing_finite", struct.pack(pack, *3 * [FAR_REALS[0]]) * 6
+
+
+def no_points(pack: str) -> bytes:
+    """Six points, none of which a sensor has seen: no cloud, unless others of the robot are better."""
+    return struct.pack(pack, *3 * [FAR_REALS[0]]) * 6
 
 
 # --- PCD
@@ -70,6 +74,7 @@ def pcd_bodies() -> Iterator[Case]:
     binary = pcd_parts("binary", LITTLE)
     for name, body in odd_points("<3f"):
         yield from tolerated("pcd", ".pcd", [(f"binary_{name}", replaced(binary, "body", body))])
+    yield from invalid("pcd", ".pcd", [("binary_nothing_finite", replaced(binary, "body", no_points("<3f")))])
     for bit in range(0, 96, 7):
         yield from tolerated("pcd", ".pcd", [(f"binary_bit_{bit}", replaced(binary, "body", flipped(LITTLE, bit)))])
     yield from invalid("pcd", ".pcd", [("binary_one_point_more", replaced(binary, "body", LITTLE + LITTLE[:12]))])
@@ -104,8 +109,8 @@ def pcd_compressed() -> Iterator[Case]:
         "too_little_comes_out": block(size - 33, 72, packed[:-33] if size > 66 else packed[:33]),
         "too_much_comes_out": block(size + 33, 72, packed + packed[:33]), "nothing_packed": block(0, 72, b"")}.items()])
     yield from tolerated("pcd", ".pcd", [
-        ("compressed_coordinate_bit", block(size, 72, flipped(packed, 8 * 20 + 3))),
-        ("compressed_not_finite", block(size, 72, seeds.lzf_literals(struct.pack("<18f", *[FAR_REALS[0]] * 18))))])
+        ("compressed_coordinate_bit", block(size, 72, flipped(packed, 8 * 20 + 3)))])
+    yield from invalid("pcd", ".pcd", [("compressed_not_finite", block(size, 72, seeds.lzf_literals(no_points("<3f"))))])
 
 
 # --- PLY
@@ -134,6 +139,7 @@ def ply() -> Iterator[Case]:
     for kind, pack in (("binary_little_endian", "<3f"), ("binary_big_endian", ">3f")):
         for name, body in odd_points(pack):
             yield from tolerated("ply", ".ply", [(f"{kind}_{name}", join(ply_parts(kind, body)))])
+        yield from invalid("ply", ".ply", [(f"{kind}_nothing_finite", join(ply_parts(kind, no_points(pack))))])
     yield from tolerated("ply", ".ply", [
         ("big_endian_bit", join(ply_parts("binary_big_endian", flipped(LITTLE, 77)))), ("byte_order_mark", b"\xef\xbb\xbf" + join(parts)),
         ("crlf", join(parts[:-1]).replace(b"\n", b"\r\n") + LITTLE),
@@ -210,6 +216,7 @@ def bins() -> Iterator[Case]:
         yield Case("bin", name, robot([good, scan]))
     for name, scan in odd_points("<3f4x"):
         yield Case("bin", name, robot([good, scan]), tolerated=True)
+    yield Case("bin", "nothing_finite", robot([good, no_points("<3f4x")]), tolerated=True)
     for bit in (0, 31, 62, 95, 120):
         yield Case("bin", f"bit_{bit}", robot([good, flipped(good, bit)]), tolerated=True)
 
