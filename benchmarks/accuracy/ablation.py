@@ -42,6 +42,8 @@ def log_odds(row, without=""):
 def support_grew(row):
     start, end = value(row, "support"), value(row, "support", "null")
     before, after = value(row, "conflict") or 0.0, value(row, "conflict_registered") or 0.0
+    if after > 1.5 * before:
+        return False
     gone = before - after >= 0.02 and after <= 0.5 * before
     factor = 3.0 if after > before else 1.1 if gone else 1.3
     return end - factor * start > 3.0 * math.sqrt(end + factor * factor * start)
