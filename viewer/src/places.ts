@@ -24,7 +24,9 @@ export function worstPlaces(archive: Archive): Place[] {
     return [picture.source, picture.target].map((s) => archive.result.submaps[s]!.robot).join("\n");
   };
   const bad = pairs.map((_, n) => n).filter((n) => pairs[n]!.verdict === "inconsistent");
-  bad.sort((a, b) => (pairs[b]!.offset_m ?? 0) - (pairs[a]!.offset_m ?? 0) || a - b);
+  // An offset is as good as the registration behind it: those that are not believed come after those that are.
+  const open = (number: number) => Number(correctionOpen(pairs[number]!));
+  bad.sort((a, b) => open(a) - open(b) || (pairs[b]!.offset_m ?? 0) - (pairs[a]!.offset_m ?? 0) || a - b);
   const places: Place[] = [];
   for (const n of bad) {
     const [x, y, z] = archive.pairs[n]!.centre;

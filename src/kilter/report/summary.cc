@@ -203,7 +203,7 @@ std::vector<const PairResult*> worst_pairs(const Result& result, std::size_t cou
   const auto badness = [](const PairResult& pair) {
     const bool inconsistent = pair.verdict.verdict == Verdict::kInconsistent;
     const double offset_m = pair.verdict.offset_m.value_or(0.0);
-    return std::tuple(inconsistent, inconsistent || is_believed(pair.verdict), offset_m);
+    return std::tuple(inconsistent, is_believed(pair.verdict), offset_m);
   };
   std::stable_sort(pairs.begin(), pairs.end(),
                    [&](const PairResult* a, const PairResult* b) { return badness(*a) > badness(*b); });
