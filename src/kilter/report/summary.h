@@ -24,7 +24,7 @@ inline constexpr int kSummaryColumns = 100;  ///< at most, colour codes not coun
 /// The result as a person reads it at the end of a run: plain text, the verdict first, then what it rests on, the five
 /// worst pairs, what was left out and what to do next.
 ///
-/// Worst are the inconsistent pairs, then those whose registration is believed, then the others; each by offset. A
+/// Worst are the inconsistent pairs; of these, and of the others, those whose registration is believed; by offset. A
 /// pair's row shows its RMS offset with the 95 % interval, the rotation, and the *shift*: how far the source submap
 /// would have to move, along x, y and z of the world frame, to lie where registration finds it (offset_vector turned
 /// from the target's axes by the map's pose), or that it is not known where that registration is not believed.
