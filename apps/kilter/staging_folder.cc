@@ -9,7 +9,6 @@
 #include <system_error>
 #include <utility>
 
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -23,14 +22,6 @@ namespace fs = std::filesystem;
 tl::unexpected<Error> refuse(const std::error_code& error, const std::string& what, const fs::path& path) {
   const bool full = error == std::errc::no_space_on_device || error.value() == EDQUOT;
   return fail(full ? ErrorCode::kNoSpace : ErrorCode::kIo, fmt::format("{}: {}", what, error.message()), shown(path));
-}
-
-// Names must outlive a power cut too. A folder that cannot be synced is no reason to fail.
-void sync_folder(const fs::path& folder) {
-  const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (descriptor < 0) return;
-  static_cast<void>(::fsync(descriptor));
-  ::close(descriptor);
 }
 
 }  // namespace

@@ -274,6 +274,14 @@ def read_result(folder):
     return json.loads((pathlib.Path(folder) / "result.json").read_text(encoding="utf-8"))
 
 
+def is_constraint(pair, tolerance_m):
+    """Whether check hands a pair's registration on in constraints.g2o: decided, by it, and no submap bent beyond the
+    tolerance."""
+    bend_m = (pair["evidence"].get("bend_m") or {}).get("value") or 0.0
+    return (pair["verdict"] != "unverified" and pair["T_target_source_registered"] is not None
+            and not without_registration(pair) and bend_m <= tolerance_m)
+
+
 def without_registration(pair):
     """Whether a pair of result.json was judged by free space alone, or because something else fits better: no registration
     of it is believed."""

@@ -156,12 +156,16 @@ def verdict_table(answers):
                  "error p50 cm", "p90 cm", "> 0.3 m", "faults"], table)
 
 
+def is_constraint(row):
+    """As labels.is_constraint, of a row."""
+    return (row.get("error_m") is not None and row["verdict"] != "unverified" and not row["without_registration"]
+            and (row["pieces"].get("bend_m", {}).get("value") or 0.0) <= TOLERANCE_M)
+
+
 def constraint_table(answers):
-    """Registrations that check hands on as constraints: of decided pairs whose submaps are not bent beyond the tolerance."""
     table = []
     for name, some in [*by_group(answers).items(), ("all", answers)]:
-        rows = [r for r in rows_of(some) if r.get("error_m") is not None and r["verdict"] != "unverified"
-                and not r["without_registration"] and (r["pieces"].get("bend_m", {}).get("value") or 0.0) <= TOLERANCE_M]
+        rows = [r for r in rows_of(some) if is_constraint(r)]
         line = [name]
         for kept in (rows, [r for r in rows if r["fixed"]]):
             errors = np.array([r["error_m"] for r in kept])

@@ -46,12 +46,6 @@ int create_beside(const std::filesystem::path& folder, std::filesystem::path& na
   return descriptor < 0 ? errno : 0;
 }
 
-// The rename itself must outlive a power cut too. A folder that cannot be synced is no reason to fail.
-void sync_folder(const std::filesystem::path& folder) {
-  const Descriptor handle(open_retrying(folder, O_RDONLY | O_DIRECTORY));
-  if (handle.is_open()) static_cast<void>(::fsync(handle.number()));
-}
-
 std::string_view name_of(std::filesystem::file_type type) {
   switch (type) {
     case std::filesystem::file_type::regular:
@@ -156,6 +150,11 @@ bool is_folder(const std::filesystem::path& path) {
 bool is_file(const std::filesystem::path& path) {
   std::error_code error;
   return std::filesystem::is_regular_file(path, error);
+}
+
+void sync_folder(const std::filesystem::path& folder) {
+  const Descriptor handle(open_retrying(folder, O_RDONLY | O_DIRECTORY));
+  if (handle.is_open()) static_cast<void>(::fsync(handle.number()));
 }
 
 Expected<std::filesystem::file_type> type_at(const std::filesystem::path& path) {

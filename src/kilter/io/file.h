@@ -54,6 +54,9 @@ inline constexpr std::uint64_t kMaxFileBytes = std::uint64_t{1} << 35;
 [[nodiscard]] bool is_folder(const std::filesystem::path& path);
 [[nodiscard]] bool is_file(const std::filesystem::path& path);
 
+/// Makes names in a folder outlive a power cut. One that cannot be synced is no reason to fail.
+void sync_folder(const std::filesystem::path& folder);
+
 /// What stands at a path, links followed. \return kNotFound (nothing, or a link to nothing), kIo (it cannot be looked
 /// at, links in a circle).
 [[nodiscard]] Expected<std::filesystem::file_type> type_at(const std::filesystem::path& path);

@@ -54,8 +54,8 @@ struct Mission {
 /// robot's), a folder of such folders (what else lies beside them is passed over, unless a robot seems to be in it:
 /// sources/missed_robot.h), or NAME=PATH with the path of one robot. In a folder of folders, those with `scans/` or
 /// `submaps/` are the robots if there are any. What stands before the first '=' is a name unless it holds a '/': write
-/// ./a=b for a folder a=b. What stands behind "#/" of a bag's path are topics to take: run.bag#/points#/odom. \return
-/// the mission; or kUsage (no source, a name given twice, a bad NAME), kConfig (T_body_sensor for an unknown
+/// ./a=b for a folder a=b. What stands behind "#/" of a bag's path are topics to take: run.bag#/points#/odom.
+/// \return  the mission; or kUsage (no source, a name given twice, a bad NAME), kConfig (T_body_sensor for an unknown
 ///          robot), kNotFound, kEmptyInput (no robot in a folder), kUnsupported (a file of no known kind; a folder's
 ///          name that cannot be a robot's: with a comma, a control character or not UTF-8), or what the kind's reader
 ///          fails with.

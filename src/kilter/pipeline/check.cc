@@ -153,8 +153,8 @@ CycleClosure widen_covariances(const std::vector<PairMeasurement>& measured, std
     if (pair.trusted && pair.verdict.unobservable.empty())
       poses.push_back({pair.id, *pair.T_target_source_registered, *pair.covariance});
   }
-  CycleClosure closure = close_cycles(poses);
-  for (std::size_t i = 0; i < pairs.size(); ++i) {
+  const CycleClosure closure = close_cycles(poses);
+  for (std::size_t i = 0; i < pairs.size() && closure.covariance_scale > 1.0; ++i) {
     if (!pairs[i].covariance) continue;
     const RegistrationResult& registration = *measured[i].evidence.registration;
     pairs[i].covariance = covariance_in_source(
