@@ -45,7 +45,7 @@ class PlantedFault(unittest.TestCase):
 
 
 class StoreysThatLookAlike(unittest.TestCase):
-    def test_under_their_right_poses_no_pair_is_accused_of_standing_a_storey_off(self):
+    def test_under_their_right_poses_the_map_is_consistent_and_floors_are_not_held_against_ceilings(self):
         with tempfile.TemporaryDirectory() as scratch:
             folder = Path(scratch)
             made = run_kilter("simulate", "stairs", "-o", folder / "stairs", "--seed", "7", "--columns", "360",
@@ -53,13 +53,14 @@ class StoreysThatLookAlike(unittest.TestCase):
             self.assertEqual(made.status, 0, made.stderr)
             run = run_kilter("check", folder / "stairs" / "mission", "--poses", folder / "stairs" / "truth", "-o",
                              folder / "out", "--quiet")
-            self.assertIn(run.status, (0, 4), run.stdout)
             result = json.loads((folder / "out" / "result.json").read_text(encoding="utf-8"))
+        self.assertEqual(result["system"]["verdict"], "consistent", run.stdout)
         fits_elsewhere = [pair for pair in result["pairs"] if (pair["offset_m"] or 0.0) > 2.0]
-        self.assertGreater(len(fits_elsewhere), 5, "the scene is there to tempt")
-        for pair in fits_elsewhere:
+        another_storey = [pair for pair in result["pairs"] if "no free space speaks against" in pair["reason"]]
+        self.assertGreater(len(another_storey), 5)
+        for pair in fits_elsewhere + another_storey:
             self.assertEqual(pair["verdict"], "unverified", pair["reason"])
-            self.assertLess(pair["p_inconsistent"], 0.5, pair["reason"])
+            self.assertLess(pair["p_inconsistent"] or 0.0, 0.5, pair["reason"])
 
 
 if __name__ == "__main__":

@@ -42,6 +42,7 @@ const kEvidence: Record<string, { name: string; value: (x: number) => string; ag
     value: (x) => `${(100 * x).toFixed(2)} %`,
     against: "usual in this map",
   },
+  same_side: { name: "Seen by both from the same side", value: (x) => `${(100 * x).toFixed(1)} %`, against: "" },
   mean_distance_m: {
     name: "Mean distance of matched voxels",
     value: (x) => centimetres(x),

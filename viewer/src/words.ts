@@ -100,6 +100,8 @@ export const kindInWords = {
 /** What would decide a pair that is not decided. */
 function undecided(pair: Pair): string {
   const says = (words: string) => pair.reason.includes(words);
+  if (says("no free space speaks against the map"))
+    return "Not decided: what lies near each other here was seen from opposite sides, such as a floor and the ceiling below. Nothing speaks against the map.";
   if (says("too little overlap")) return "Not decided: the two saw too little in common. Another pass through here would settle it.";
   if (says("direction that nothing")) {
     return "Not decided: along the dashed axis the two could be apart and nobody would see it. A pass that sees something across it would settle it.";

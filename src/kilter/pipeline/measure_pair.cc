@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "kilter/matching/same_side.h"
 #include "kilter/registration/point_to_plane.h"
 
 namespace kilter {
@@ -89,6 +90,24 @@ bool could_pass_gate(PairSearches& pair, const Pose3& T_target_source, const Mat
       estimate_overlap(pair.target.map(), pair.source, T_target_source.inverse(), options, kGlanceVoxels);
   return 2.0 * std::min(forward.matched, backward.matched) >= options.matched_min &&
          2.0 * std::max(forward.overlap, backward.overlap) >= options.overlap_min;
+}
+
+// The gates once more, for voxels that face the same way and are no farther apart than one surface may be.
+std::optional<CommonSurface> common_surface(PairSearches& pair, const Pose3& T_target_source,
+                                            const TwoWaySample& sample, const MatchingOptions& options) {
+  if (!pair.source.map().has_free_space() || !pair.target.map().has_free_space()) return std::nullopt;
+  const SameSide same = count_same_side(pair.source_centroids, pair.target_centroids, T_target_source,
+                                        kConflictMarginVoxels * pair.target.map().resolution_m());
+  const auto share = [](std::size_t count, std::size_t of) {
+    return of == 0 ? 0.0 : static_cast<double>(count) / static_cast<double>(of);
+  };
+  CommonSurface common;
+  common.matched = std::min(same.forward, same.backward);
+  common.overlap =
+      std::max(share(same.forward, sample.forward.candidates), share(same.backward, sample.backward.candidates));
+  common.any = common.matched >= static_cast<std::size_t>(options.matched_min);
+  common.enough = common.any && common.overlap >= options.overlap_min;
+  return common;
 }
 
 std::string gate_reason(const TwoWaySample& sample, const CandidatePair& pair, const MatchingOptions& options) {
@@ -184,6 +203,7 @@ PairMeasurement measure_pair(const PlacedPair& maps, const CandidatePair& pair, 
   const NearestVoxelSearch& onto = (oicp ? both.target : both.target_centroids).search();
   const RegistrationPrior prior = prior_of(pair, maps.target, options);
   if (evidence.overlaps) {
+    evidence.common = common_surface(both, evidence.T_target_source, sample, options.matching);
     evidence.gap = measure_parallel_gap(both.source.map(), both.target.map(), evidence.T_target_source);
     evidence.registration = align_submaps(from, onto, evidence.T_target_source, options.registration, prior);
     measure_registered(both, options, evidence);

@@ -8,10 +8,10 @@
 #include <span>
 #include <utility>
 
+#include "kilter/matching/same_side.h"
+
 namespace kilter {
 namespace {
-
-constexpr double kLeastAgreement = 0.6;  // cosine between normals of matched voxels
 
 std::vector<std::uint32_t> every(std::size_t stride, std::size_t count) {
   std::vector<std::uint32_t> numbers((count + stride - 1) / stride);
@@ -55,12 +55,6 @@ double median_absolute_m(const std::vector<PlaneResidual>& residuals) {
 }
 
 }  // namespace
-
-bool normals_agree(const Eigen::Vector3d& a, const Eigen::Vector3d& b, bool oriented) {
-  if (a.isZero() || b.isZero()) return true;
-  const double cosine = a.dot(b);
-  return (oriented ? cosine : std::abs(cosine)) >= kLeastAgreement;
-}
 
 void match_voxels(const VoxelMap& from, std::span<const std::uint32_t> voxels, RepeatedSearch& in_onto,
                   const Pose3& T_onto_from, double search_m, std::vector<PlaneResidual>& residuals) {

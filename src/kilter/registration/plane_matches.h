@@ -43,10 +43,6 @@ void match_voxels(const VoxelMap& from, std::span<const std::uint32_t> voxels, R
 [[nodiscard]] std::vector<PlaneResidual> match_every(PlanePair& pair, const Pose3& T_target_source, double search_m,
                                                      std::size_t stride);
 
-/// Whether surfaces of these normals, in one frame, may be the same: within 53 degrees, or one of them unknown (zero).
-/// Normals point towards the sensor where there was one (`oriented`); points alone leave the sign open.
-[[nodiscard]] bool normals_agree(const Eigen::Vector3d& a, const Eigen::Vector3d& b, bool oriented);
-
 /// Geman-McClure weight, 0..1: residuals far beyond the scale stop pulling.
 [[nodiscard]] double geman_mcclure(double residual_m, double scale_m);
 

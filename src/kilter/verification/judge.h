@@ -45,6 +45,16 @@ struct PoseEvidence {
   std::optional<DistanceHistogram> histogram = {};  ///< of the distances, to be shown; absent when nothing matched
 };
 
+/// What both submaps show from the same side, at the map's pose: voxels with one of the other's that faces the same way
+/// within the conflict's margin. Floors and the ceilings below them, or the two sides of a wall, match within the
+/// paper's d and have none.
+struct CommonSurface {
+  std::size_t matched = 0;  ///< the smaller of both ways
+  double overlap = 0.0;     ///< the larger of both ways
+  bool any = false;         ///< as many as the gate on matched voxels asks for
+  bool enough = false;      ///< passes both gates
+};
+
 /// All that was measured on one pair.
 struct PairEvidence {
   PairId id;
@@ -54,6 +64,7 @@ struct PairEvidence {
   Pose3 T_target_source;  ///< the map's
   double resolution_m = 0.1;
   PoseEvidence map;
+  std::optional<CommonSurface> common;             ///< absent where points alone leave open which way surfaces face
   std::optional<ParallelGap> gap;                  ///< at the map's pose
   std::optional<RegistrationResult> registration;  ///< absent if it was not tried
   std::optional<PoseEvidence> registered;          ///< absent if it did not converge
@@ -80,6 +91,10 @@ struct MapNull {
 /// decided later, over the map, by judge_map: until then such pairs are kUnverified with a small p_value.
 [[nodiscard]] PairVerdict judge_pair(const PairEvidence& pair, const MapNull& null, const JudgeOptions& options);
 
+/// Whether the two may show different places, as the map has them: too little is seen by both from the same side, and
+/// no more than usual of it conflicts. A double wall, or a place that is elsewhere, leaves surfaces in free space.
+[[nodiscard]] bool may_show_different_places(const PairEvidence& pair, const MapNull& null);
+
 /// The paper's test with the thresholds that it leaves out (step F11): a pair is out of line if log10 Gamma lies three
 /// spreads below the map's median; verified inconsistent if Theta then is at least twice Gamma and registration moved
 /// it by more than a voxel; rejected (kUnverified) if Theta is not; consistent if it is in line. No p-value.
@@ -89,7 +104,7 @@ struct MapNull {
 struct JudgedPair {
   PairId id;
   PairKind kind = PairKind::kSequential;
-  bool overlaps = false;
+  bool overlaps = false;  ///< counts among what should be decided
   int source_robot = 0;
   int target_robot = 0;
   PairVerdict verdict;
@@ -97,8 +112,8 @@ struct JudgedPair {
 
 /// Decides which pairs are inconsistent with the false-discovery level held over the map (Benjamini-Hochberg on the
 /// p-values), then the map: inconsistent if any pair is; consistent if none is and, for each kind present and each two
-/// robots, at least min_decided of the overlapping pairs were decided; otherwise undetermined. Eq. (6)-(7) as log
-/// sums. Changes the verdicts of `pairs` in place.
+/// robots, at least min_decided of the pairs that overlap or were decided were; otherwise undetermined. Eq. (6)-(7) as
+/// log sums. Changes the verdicts of `pairs` in place.
 [[nodiscard]] MapVerdict judge_map(std::vector<JudgedPair>& pairs, std::span<const std::string> robots,
                                    const JudgeOptions& options);
 

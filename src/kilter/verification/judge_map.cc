@@ -87,6 +87,9 @@ LogProbability sum_log_probability(const std::vector<JudgedPair>& pairs, std::sp
   return sums;
 }
 
+// What should be decided, and what was.
+bool counts(const JudgedPair& pair) { return pair.overlaps || pair.verdict.verdict != Verdict::kUnverified; }
+
 struct Share {
   std::size_t decided = 0;
   std::size_t overlapping = 0;
@@ -107,7 +110,7 @@ DecidedShares decided_shares(const std::vector<JudgedPair>& pairs, std::span<con
     for (std::size_t b = a + 1; b < robots.size(); ++b) global[robots[a] + "," + robots[b]];
   }
   for (const JudgedPair& pair : pairs) {
-    if (!pair.overlaps) continue;
+    if (!counts(pair)) continue;
     if (pair.kind == PairKind::kSequential) sequential.add(pair);
     if (pair.kind == PairKind::kLocal) local.add(pair);
     if (pair.kind == PairKind::kGlobal) global[robots_key(pair, robots)].add(pair);
@@ -123,7 +126,7 @@ DecidedShares decided_shares(const std::vector<JudgedPair>& pairs, std::span<con
 std::string undecided(const DecidedShares& shares, const std::vector<JudgedPair>& pairs,
                       std::span<const std::string> robots, const JudgeOptions& options) {
   if (pairs.empty()) return "nothing to compare: no two submaps could show the same place";
-  if (std::none_of(pairs.begin(), pairs.end(), [](const JudgedPair& pair) { return pair.overlaps; }))
+  if (std::none_of(pairs.begin(), pairs.end(), counts))
     return "nothing to compare: no two submaps show enough of the same place";
   const auto too_few = [&](double share) { return share < options.min_decided; };
   for (const auto& of_robots : shares.global) {
@@ -131,7 +134,7 @@ std::string undecided(const DecidedShares& shares, const std::vector<JudgedPair>
     const double share = of_robots.second;
     if (!too_few(share)) continue;
     const bool meet = std::any_of(pairs.begin(), pairs.end(), [&](const JudgedPair& pair) {
-      return pair.overlaps && pair.kind == PairKind::kGlobal && robots_key(pair, robots) == key;
+      return counts(pair) && pair.kind == PairKind::kGlobal && robots_key(pair, robots) == key;
     });
     const std::string names =
         fmt::format("{} and {}", printable(key.substr(0, key.find(','))), printable(key.substr(key.find(',') + 1)));

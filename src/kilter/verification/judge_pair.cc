@@ -50,6 +50,7 @@ void note_measurements(const PairEvidence& pair, const MapNull& null, PairVerdic
     verdict.evidence["gap_m"] = {pair.gap->gap_m, kOnePercent * pair.gap->sigma_m, std::nullopt};
   }
   if (pair.map.matched > 0) verdict.evidence["mean_distance_m"].value = pair.map.mean_distance_m;
+  if (pair.common) verdict.evidence["same_side"].value = pair.common->overlap;
   if (pair.map.conflict.known() > 0) {
     verdict.evidence["conflict"] = {pair.map.conflict.share(), null.conflict, std::nullopt};
   }
@@ -178,6 +179,13 @@ PairVerdict judge_displacement(const PairEvidence& pair, const MapNull& null, co
     verdict.reason = pair.gate;
     return verdict;
   }
+  if (pair.common && !pair.common->any && may_show_different_places(pair, null)) {
+    verdict.reason = fmt::format(
+        "too little overlap: of {} voxels that match, {} show a side that both saw, and no free space speaks against "
+        "the map: the places may differ",
+        pair.map.matched, pair.common->matched);
+    return verdict;
+  }
   if (!pair.registration || !pair.registration->converged() || !pair.registered) {
     verdict.reason = fmt::format("registration failed: {}", pair.registration ? to_string(pair.registration->stop)
                                                                               : std::string_view("not tried"));
@@ -248,9 +256,18 @@ std::vector<OptionField> fields(JudgeOptions& o) {
   };
 }
 
+bool may_show_different_places(const PairEvidence& pair, const MapNull& null) {
+  return pair.common && !pair.common->enough && pair.map.conflict.share() <= conflict_limit(null);
+}
+
 PairVerdict judge_pair(const PairEvidence& pair, const MapNull& null, const JudgeOptions& options) {
   PairVerdict verdict = judge_displacement(pair, null, options);
   if (verdict.verdict != Verdict::kConsistent) let_free_space_speak(pair, null, options, verdict);
+  if (verdict.verdict == Verdict::kUnverified && pair.common && pair.common->any &&
+      may_show_different_places(pair, null)) {
+    verdict.reason += fmt::format("; only {:.0f} % show a side that both saw: the map's verdict does not wait for it",
+                                  100.0 * pair.common->overlap);
+  }
   return verdict;
 }
 

@@ -87,6 +87,33 @@ TEST(JudgePair, WithoutOverlapItIsNeverDecided) {
   EXPECT_FALSE(judge_pair(pair, {}, {}).offset_m.has_value());
 }
 
+TEST(JudgePair, WhereNoSideIsSeenByBothAndNothingConflictsNothingIsCompared) {
+  PairEvidence pair = pair_moved(0.25, 0.01);  // a floor, laid on the ceiling under it
+  pair.common = CommonSurface{.matched = 125, .overlap = 0.03};
+  const PairVerdict verdict = judge_pair(pair, kNull, {});
+  EXPECT_EQ(verdict.verdict, Verdict::kUnverified);
+  EXPECT_EQ(verdict.reason.find("too little overlap"), 0U) << verdict.reason;
+  EXPECT_FALSE(verdict.p_value);
+  EXPECT_FALSE(verdict.offset_m);
+  EXPECT_TRUE(may_show_different_places(pair, kNull));
+  pair.map.conflict = {{1000, 300}, {1000, 300}};  // a wall that is there twice stands in free space
+  pair.registered->conflict = {{1000, 20}, {1000, 20}};
+  EXPECT_FALSE(may_show_different_places(pair, kNull));
+  EXPECT_EQ(verdict_of(pair), Verdict::kInconsistent);
+}
+
+TEST(JudgePair, LittleSeenByBothIsJudgedButNotWaitedFor) {
+  PairEvidence pair = pair_moved(0.10, 0.01);
+  pair.common = CommonSurface{.matched = 800, .overlap = 0.08, .any = true};
+  EXPECT_TRUE(may_show_different_places(pair, kNull));
+  EXPECT_NE(judge_pair(pair, kNull, {}).reason.find("does not wait"), std::string::npos);
+  PairEvidence sure = pair_moved(0.25, 0.01);
+  sure.common = pair.common;
+  EXPECT_EQ(verdict_of(sure), Verdict::kInconsistent);
+  sure.common = CommonSurface{.matched = 3000, .overlap = 0.4, .any = true, .enough = true};
+  EXPECT_FALSE(may_show_different_places(sure, kNull));
+}
+
 TEST(JudgePair, FailedRegistrationIsUnverifiedAndSaysHow) {
   PairEvidence pair = pair_moved(0.0, 0.01);
   pair.registration->stop = StopReason::kMaxIterations;
@@ -333,54 +360,6 @@ TEST(JudgePairByGamma, FollowsThePapersTestAndVerification) {
   PairEvidence apart = pair_moved(0.0, 0.01);
   apart.overlaps = false;
   EXPECT_EQ(judge_pair_by_gamma(apart, kNull, 0.1).verdict, Verdict::kUnverified);
-}
-
-TEST(JudgeMap, OneBadPairMakesTheMapInconsistent) {
-  std::vector<JudgedPair> pairs;
-  for (int i = 1; i < 20; ++i) pairs.push_back(judged(pair_moved(0.02, 0.01, PairKind::kGlobal, i)));
-  pairs.push_back(judged(pair_moved(0.40, 0.02, PairKind::kGlobal, 20)));
-  const MapVerdict map = judge_map(pairs, kRobots, {});
-  EXPECT_EQ(map.state, MapState::kInconsistent);
-  EXPECT_EQ(map.inconsistent, 1U);
-  EXPECT_EQ(map.tested, 20U);
-  EXPECT_GT(*map.certificate_m, 0.4);
-  EXPECT_LT(map.log_probability.global.at("a,b"), -20.0);
-}
-
-TEST(JudgeMap, RobotsThatNeverMeetLeaveItUndetermined) {
-  std::vector<JudgedPair> pairs = {judged(pair_moved(0.01, 0.01, PairKind::kSequential))};
-  const MapVerdict map = judge_map(pairs, kRobots, {});
-  EXPECT_EQ(map.state, MapState::kUndetermined);
-  EXPECT_NE(map.reason.find("a and b never meet"), std::string::npos);
-  EXPECT_EQ(map.decided.global.at("a,b"), 0.0);
-  EXPECT_EQ(*map.decided.sequential, 1.0);
-  EXPECT_FALSE(map.decided.local.has_value());
-}
-
-TEST(JudgeMap, EnoughDecidedPairsMakeItConsistent) {
-  std::vector<JudgedPair> pairs = {judged(pair_moved(0.01, 0.01, PairKind::kSequential)),
-                                   judged(pair_moved(0.03, 0.01, PairKind::kGlobal, 2))};
-  const MapVerdict map = judge_map(pairs, kRobots, {});
-  EXPECT_EQ(map.state, MapState::kConsistent);
-  EXPECT_LT(*map.certificate_m, 0.1);
-  EXPECT_GT(*map.log_probability.total, -0.2);
-}
-
-TEST(JudgeMap, TooManyUndecidedPairsLeaveItUndetermined) {
-  std::vector<JudgedPair> pairs = {judged(pair_moved(0.01, 0.01)), judged(pair_moved(0.05, 0.2, PairKind::kGlobal, 2)),
-                                   judged(pair_moved(0.05, 0.2, PairKind::kGlobal, 3))};
-  const MapVerdict map = judge_map(pairs, kRobots, {});
-  EXPECT_EQ(map.state, MapState::kUndetermined);
-  EXPECT_EQ(map.certificate_excludes.size(), 2U);
-}
-
-TEST(JudgeMap, NothingToCompareIsUndetermined) {
-  std::vector<JudgedPair> none;
-  const std::vector<std::string> one = {"a"};
-  const MapVerdict map = judge_map(none, one, {});
-  EXPECT_EQ(map.state, MapState::kUndetermined);
-  EXPECT_FALSE(map.log_probability.total.has_value());
-  EXPECT_FALSE(map.certificate_m.has_value());
 }
 
 TEST(EstimateNull, SurvivesAFifthOfBadSequentialPairs) {

@@ -1,0 +1,100 @@
+// SPDX-FileCopyrightText: The kilter authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include "kilter/verification/judge.h"
+
+namespace kilter {
+namespace {
+
+const std::vector<std::string> kRobots = {"a", "b"};
+
+// A pair of robots a and b, or of a alone, that is this far apart, give or take.
+JudgedPair pair_apart(double apart_m, double sigma_m, PairKind kind = PairKind::kGlobal, int source = 1) {
+  PairEvidence pair;
+  pair.id = {{source}, {0}};
+  pair.kind = kind;
+  pair.overlaps = true;
+  pair.map.matched = 5000;
+  pair.map.overlap = 0.6;
+  RegistrationResult registration;
+  registration.stop = StopReason::kConverged;
+  registration.T_target_source = Pose3::from_translation(apart_m, 0.0, 0.0);
+  registration.scatter_m2 = Eigen::Vector3d(9.0, 9.0, 1.0).asDiagonal();
+  Vector6 variances = Vector6::Constant(1e-6);
+  variances.head<3>().setConstant(sigma_m * sigma_m);
+  registration.covariance_measured = variances.asDiagonal();
+  registration.covariance_centre = registration.covariance_measured;
+  registration.support_start = 2000;
+  registration.support_end = 4000;
+  pair.registration = registration;
+  pair.registered = pair.map;
+  return {pair.id, kind, true, kind == PairKind::kGlobal ? 1 : 0, 0, judge_pair(pair, {}, {})};
+}
+
+TEST(JudgeMap, OneBadPairMakesTheMapInconsistent) {
+  std::vector<JudgedPair> pairs;
+  for (int i = 1; i < 20; ++i) pairs.push_back(pair_apart(0.02, 0.01, PairKind::kGlobal, i));
+  pairs.push_back(pair_apart(0.40, 0.02, PairKind::kGlobal, 20));
+  const MapVerdict map = judge_map(pairs, kRobots, {});
+  EXPECT_EQ(map.state, MapState::kInconsistent);
+  EXPECT_EQ(map.inconsistent, 1U);
+  EXPECT_EQ(map.tested, 20U);
+  EXPECT_GT(*map.certificate_m, 0.4);
+  EXPECT_LT(map.log_probability.global.at("a,b"), -20.0);
+}
+
+TEST(JudgeMap, RobotsThatNeverMeetLeaveItUndetermined) {
+  std::vector<JudgedPair> pairs = {pair_apart(0.01, 0.01, PairKind::kSequential)};
+  const MapVerdict map = judge_map(pairs, kRobots, {});
+  EXPECT_EQ(map.state, MapState::kUndetermined);
+  EXPECT_NE(map.reason.find("a and b never meet"), std::string::npos);
+  EXPECT_EQ(map.decided.global.at("a,b"), 0.0);
+  EXPECT_EQ(*map.decided.sequential, 1.0);
+  EXPECT_FALSE(map.decided.local.has_value());
+}
+
+TEST(JudgeMap, EnoughDecidedPairsMakeItConsistent) {
+  std::vector<JudgedPair> pairs = {pair_apart(0.01, 0.01, PairKind::kSequential),
+                                   pair_apart(0.03, 0.01, PairKind::kGlobal, 2)};
+  const MapVerdict map = judge_map(pairs, kRobots, {});
+  EXPECT_EQ(map.state, MapState::kConsistent);
+  EXPECT_LT(*map.certificate_m, 0.1);
+  EXPECT_GT(*map.log_probability.total, -0.2);
+}
+
+TEST(JudgeMap, TooManyUndecidedPairsLeaveItUndetermined) {
+  std::vector<JudgedPair> pairs = {pair_apart(0.01, 0.01), pair_apart(0.05, 0.2, PairKind::kGlobal, 2),
+                                   pair_apart(0.05, 0.2, PairKind::kGlobal, 3)};
+  const MapVerdict map = judge_map(pairs, kRobots, {});
+  EXPECT_EQ(map.state, MapState::kUndetermined);
+  EXPECT_EQ(map.certificate_excludes.size(), 2U);
+}
+
+// Storeys above each other: floors and the ceilings below them match, and were never seen from one side.
+TEST(JudgeMap, DoesNotWaitForPairsThatMayShowDifferentPlaces) {
+  std::vector<JudgedPair> pairs = {pair_apart(0.01, 0.01), pair_apart(0.05, 0.2, PairKind::kGlobal, 2),
+                                   pair_apart(0.05, 0.2, PairKind::kGlobal, 3)};
+  pairs[1].overlaps = pairs[2].overlaps = false;
+  MapVerdict map = judge_map(pairs, kRobots, {});
+  EXPECT_EQ(map.state, MapState::kConsistent);
+  EXPECT_EQ(map.unverified, 2U);
+  EXPECT_TRUE(map.certificate_excludes.empty());
+  pairs = {pair_apart(0.4, 0.01), pair_apart(0.05, 0.2, PairKind::kGlobal, 2)};
+  pairs[0].overlaps = false;  // decided by what little there is
+  map = judge_map(pairs, kRobots, {});
+  EXPECT_EQ(map.state, MapState::kInconsistent);
+  EXPECT_EQ(map.decided.global.at("a,b"), 0.5);
+}
+
+TEST(JudgeMap, NothingToCompareIsUndetermined) {
+  std::vector<JudgedPair> none;
+  const std::vector<std::string> one = {"a"};
+  const MapVerdict map = judge_map(none, one, {});
+  EXPECT_EQ(map.state, MapState::kUndetermined);
+  EXPECT_FALSE(map.log_probability.total.has_value());
+  EXPECT_FALSE(map.certificate_m.has_value());
+}
+
+}  // namespace
+}  // namespace kilter
