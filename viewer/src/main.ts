@@ -7,7 +7,7 @@ import { byId, element, hideTip } from "./dom.js";
 import { MapView } from "./map_view.js";
 import { Matrices } from "./matrices.js";
 import { PairView } from "./pair_view.js";
-import { showPlaces, worstPlaces } from "./places.js";
+import { showPlaces, worstFirst, worstPlaces } from "./places.js";
 import { forgetTheme } from "./scene.js";
 import { State } from "./state.js";
 import { Table } from "./table.js";
@@ -97,7 +97,7 @@ async function main(): Promise<void> {
   showVerdict(archive.result);
   showPlaces(state, places);
   state.select(state.pairOfFragment(location.hash));
-  const worst = places[0]?.pair ?? archive.result.pairs.reduce((best, pair, n) => ((pair.offset_m ?? -1) > (archive.result.pairs[best]?.offset_m ?? -1) ? n : best), 0);
+  const worst = places[0]?.pair ?? archive.result.pairs.map((_, n) => n).sort(worstFirst(archive.result.pairs))[0] ?? -1;
   if (state.selected < 0 && archive.result.pairs.length > 0 && location.hash === "") {
     // The worst place is shown at once; the address stays as it was typed.
     state.selected = worst;

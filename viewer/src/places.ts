@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The kilter authors
 // SPDX-License-Identifier: BSD-3-Clause
 // The worst places first: pairs that disagree at one place make one entry.
-import type { Archive } from "./archive.js";
+import type { Archive, Pair } from "./archive.js";
 import { byId, element } from "./dom.js";
 import type { State } from "./state.js";
 import { action, centimetres, correctionOpen, degrees, kindInWords, parts, probability, shift } from "./words.js";
@@ -17,6 +17,14 @@ const kNear = 8;
 const kShown = 12;
 const kOthers = 5;
 
+/** Numbers of pairs, worst first. An offset is as good as the registration behind it: those that are not believed come
+ * after those that are. */
+export function worstFirst(pairs: Pair[]): (a: number, b: number) => number {
+  const open = (n: number) => Number(correctionOpen(pairs[n]!));
+  const offset = (n: number) => pairs[n]!.offset_m ?? -1;
+  return (a, b) => open(a) - open(b) || offset(b) - offset(a) || a - b;
+}
+
 export function worstPlaces(archive: Archive): Place[] {
   const pairs = archive.result.pairs;
   const robots = (n: number): string => {
@@ -24,9 +32,7 @@ export function worstPlaces(archive: Archive): Place[] {
     return [picture.source, picture.target].map((s) => archive.result.submaps[s]!.robot).join("\n");
   };
   const bad = pairs.map((_, n) => n).filter((n) => pairs[n]!.verdict === "inconsistent");
-  // An offset is as good as the registration behind it: those that are not believed come after those that are.
-  const open = (number: number) => Number(correctionOpen(pairs[number]!));
-  bad.sort((a, b) => open(a) - open(b) || (pairs[b]!.offset_m ?? 0) - (pairs[a]!.offset_m ?? 0) || a - b);
+  bad.sort(worstFirst(pairs));
   const places: Place[] = [];
   for (const n of bad) {
     const [x, y, z] = archive.pairs[n]!.centre;
@@ -45,6 +51,7 @@ function card(state: State, place: Place, sign: string): HTMLElement {
   const more = place.pairs.length - 1;
   const offset = [centimetres(pair.offset_m), degrees(pair)].filter((text) => text !== "").join(", ");
   const moves = shift(parts(state.archive, place.pair));
+  const known = pair.offset_m !== null && !correctionOpen(pair);
   return element(
     "button",
     {
@@ -57,10 +64,10 @@ function card(state: State, place: Place, sign: string): HTMLElement {
     element(
       "span",
       { class: "what" },
-      element("b", {}, pair.offset_m === null ? "offset unknown" : `${offset} apart`),
+      element("b", {}, known ? `${offset} apart` : "offset not known"),
       ` ${pair.target} and ${pair.source}`,
       element("small", {}, `${kindInWords[pair.kind]}; ${probability(pair.p_inconsistent)}`),
-      moves === "" || correctionOpen(pair) ? null : element("small", { class: "more" }, `${pair.source} would fit if moved ${moves}`),
+      moves === "" || !known ? null : element("small", { class: "more" }, `${pair.source} would fit if moved ${moves}`),
       element("small", { class: "action more" }, action(state.archive, place.pair)),
       more === 0 ? null : element("small", { class: "more" }, `${more} more pair${more === 1 ? "" : "s"} of these robots disagree here`),
     ),
@@ -72,7 +79,7 @@ function others(state: State): HTMLElement[] {
   const sections: HTMLElement[] = [];
   const add = (title: string, verdict: string, sign: string) => {
     const numbers = state.pairs.map((_, n) => n).filter((n) => state.pairs[n]!.verdict === verdict);
-    numbers.sort((a, b) => (state.pairs[b]!.offset_m ?? -1) - (state.pairs[a]!.offset_m ?? -1) || a - b);
+    numbers.sort(worstFirst(state.pairs));
     if (numbers.length === 0) return;
     sections.push(element("h3", {}, numbers.length > kOthers ? `${title} (${kOthers} of ${numbers.length})` : title));
     for (const n of numbers.slice(0, kOthers)) sections.push(card(state, { pair: n, pairs: [n] }, sign));

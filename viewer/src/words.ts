@@ -108,6 +108,9 @@ function undecided(pair: Pair): string {
   }
   if (says("registration failed")) return "Not decided: the two could not be brought together. Look at both clouds here: they may be of different places, or far apart.";
   if (says("conflicts")) return "Not decided: even once registered the two contradict each other. Something moved here, or they are of different places.";
+  if (correctionOpen(pair) && pair.offset_m !== null) {
+    return `Not decided: it would also fit ${centimetres(pair.offset_m)} off, but what speaks against that is said below. Look at both clouds and judge.`;
+  }
   return "Not decided: look at both clouds and judge.";
 }
 

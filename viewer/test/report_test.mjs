@@ -132,6 +132,20 @@ await test("a line of the map selects its pair everywhere", {}, async (page) => 
   await everywhere(page, target.n);
 });
 
+await test("a card tells an offset only where a registration is believed", {}, async (page) => {
+  const cards = await page.evaluate(() =>
+    [...document.querySelectorAll(".place")].map((card) => {
+      const pair = window.kilter.state.pairs[Number(card.dataset.pair)];
+      const witness = ["conflict", "support"].some((name) => (pair.evidence[name]?.log_ratio ?? null) !== null);
+      return { head: card.querySelector("b").textContent, believed: pair.p_value !== null || pair.verdict === "consistent", witness };
+    }),
+  );
+  assert.ok(cards.length > 0);
+  for (const { head, believed, witness } of cards) assert.equal(head.endsWith(" apart"), believed && !witness, head);
+  const order = cards.map((card) => Number(card.believed && !card.witness));
+  if (cards.length < 6) assert.deepEqual(order, [...order].sort().reverse(), "those that are believed come first");
+});
+
 await test("a row and a place select their pair everywhere", {}, async (page) => {
   const row = page.locator("#table tbody tr").nth(2);
   const number = Number(await row.getAttribute("data-pair"));
