@@ -200,6 +200,17 @@ class Malformed(unittest.TestCase):
         self.assertEqual(run.status, 4)
         self.assertIn("robot a: 50 points were left out", run.stderr)
 
+    def test_no_submaps_are_written_of_a_robot_without_one_usable_point(self):
+        mission = self.tiny.copy("empty-robot")
+        scans = sorted((mission / "a" / "scans").iterdir())
+        for scan in scans:
+            scan.write_bytes(struct.pack("<4f", NAN, NAN, NAN, 0.0) * 50)
+        out = self.tiny.folder / "empty-robot-out"
+        run = run_kilter("submaps", mission, "-o", out)
+        self.assertEqual(run.status, 3, run.stderr)
+        self.assertIn(scans[0].name, run.stderr)
+        self.assertFalse(out.exists() and any(out.iterdir()))
+
     def test_a_submap_without_surface_is_told_of(self):
         mission = self.tiny.copy("near", scans=1)
         (mission / "a" / "scans" / "000000.bin").write_bytes(struct.pack("<4f", 0.1, 0.0, 0.0, 0.0) * 50)

@@ -21,6 +21,7 @@
 #include "apps/kilter/word_option.h"
 #include "kilter/io/file.h"
 #include "kilter/io/mission.h"
+#include "kilter/io/usable_points.h"
 #include "kilter/report/constraints_g2o.h"
 #include "kilter/report/json_writer.h"
 #include "kilter/submap/build_submaps.h"
@@ -86,6 +87,9 @@ Done<Job> open_job(const SubmapsCommand& command) {
   Expected<Mission> mission = open_mission(command.sources, options);
   if (!mission) return failed(mission.error());
   job.mission = *std::move(mission);
+  for (const RobotLog& robot : job.mission.robots) {
+    if (auto usable = check_usable(robot); !usable) return failed(usable.error());
+  }
   if (command.cuts) {
     Expected<Cuts> cuts = read_cuts_for(job.mission, *command.cuts);
     if (!cuts) return failed(cuts.error());
