@@ -108,6 +108,8 @@ function undecided(pair: Pair): string {
   }
   if (says("registration failed")) return "Not decided: the two could not be brought together. Look at both clouds here: they may be of different places, or far apart.";
   if (says("conflicts")) return "Not decided: even once registered the two contradict each other. Something moved here, or they are of different places.";
+  if (says("no rigid motion mends")) return "Not decided: one of the two is bent inside, by about as much as you can live with. Shorter submaps would tell where.";
+  if (says("too uncertain")) return "Not decided: what both saw tells the offset no better than that. Another pass through here would settle it.";
   if (correctionOpen(pair) && pair.offset_m !== null) {
     return `Not decided: it would also fit ${centimetres(pair.offset_m)} off, but what speaks against that is said below. Look at both clouds and judge.`;
   }

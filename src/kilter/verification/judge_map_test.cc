@@ -3,33 +3,19 @@
 #include <gtest/gtest.h>
 
 #include "kilter/verification/judge.h"
+#include "testing/moved_pair.h"
 
 namespace kilter {
 namespace {
 
 const std::vector<std::string> kRobots = {"a", "b"};
 
+const MapNull kNull = {2.0, 0.1, 2.0, 0.1, 0.02, 0.01, 10};
+
 // A pair of robots a and b, or of a alone, that is this far apart, give or take.
 JudgedPair pair_apart(double apart_m, double sigma_m, PairKind kind = PairKind::kGlobal, int source = 1) {
-  PairEvidence pair;
-  pair.id = {{source}, {0}};
-  pair.kind = kind;
-  pair.overlaps = true;
-  pair.map.matched = 5000;
-  pair.map.overlap = 0.6;
-  RegistrationResult registration;
-  registration.stop = StopReason::kConverged;
-  registration.T_target_source = Pose3::from_translation(apart_m, 0.0, 0.0);
-  registration.scatter_m2 = Eigen::Vector3d(9.0, 9.0, 1.0).asDiagonal();
-  Vector6 variances = Vector6::Constant(1e-6);
-  variances.head<3>().setConstant(sigma_m * sigma_m);
-  registration.covariance_measured = variances.asDiagonal();
-  registration.covariance_centre = registration.covariance_measured;
-  registration.support_start = 2000;
-  registration.support_end = 4000;
-  pair.registration = registration;
-  pair.registered = pair.map;
-  return {pair.id, kind, true, kind == PairKind::kGlobal ? 1 : 0, 0, judge_pair(pair, {}, {})};
+  const PairEvidence pair = testing::pair_moved(apart_m, sigma_m, kind, source);
+  return {pair.id, kind, true, kind == PairKind::kGlobal ? 1 : 0, 0, judge_pair(pair, kNull, {})};
 }
 
 TEST(JudgeMap, OneBadPairMakesTheMapInconsistent) {
