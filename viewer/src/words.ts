@@ -100,8 +100,9 @@ export const kindInWords = {
 /** What would decide a pair that is not decided. */
 function undecided(pair: Pair): string {
   const says = (words: string) => pair.reason.includes(words);
-  if (says("no free space speaks against the map"))
+  if (says("no free space speaks against the map")) {
     return "Not decided: what lies near each other here was seen from opposite sides, such as a floor and the ceiling below. Nothing speaks against the map.";
+  }
   if (says("too little overlap")) return "Not decided: the two saw too little in common. Another pass through here would settle it.";
   if (says("direction that nothing")) {
     return "Not decided: along the dashed axis the two could be apart and nobody would see it. A pass that sees something across it would settle it.";
@@ -111,7 +112,7 @@ function undecided(pair: Pair): string {
   if (says("no rigid motion mends")) return "Not decided: one of the two is bent inside, by about as much as you can live with. Shorter submaps would tell where.";
   if (says("too uncertain")) return "Not decided: what both saw tells the offset no better than that. Another pass through here would settle it.";
   if (correctionOpen(pair) && pair.offset_m !== null) {
-    return `Not decided: it would also fit ${centimetres(pair.offset_m)} off, but what speaks against that is said below. Look at both clouds and judge.`;
+    return `Not decided: it would also fit ${centimetres(pair.offset_m)} off, but something speaks against that, as said below. Look at both clouds and judge.`;
   }
   return "Not decided: look at both clouds and judge.";
 }

@@ -95,6 +95,9 @@ struct MapNull {
 /// no more than usual of it conflicts. A double wall, or a place that is elsewhere, leaves surfaces in free space.
 [[nodiscard]] bool may_show_different_places(const PairEvidence& pair, const MapNull& null);
 
+/// The same, and next to nothing is seen by both from the same side: nothing can be compared.
+[[nodiscard]] bool shows_no_common_side(const PairEvidence& pair, const MapNull& null);
+
 /// The paper's test with the thresholds that it leaves out (step F11): a pair is out of line if log10 Gamma lies three
 /// spreads below the map's median; verified inconsistent if Theta then is at least twice Gamma and registration moved
 /// it by more than a voxel; rejected (kUnverified) if Theta is not; consistent if it is in line. No p-value.
@@ -104,16 +107,17 @@ struct MapNull {
 struct JudgedPair {
   PairId id;
   PairKind kind = PairKind::kSequential;
-  bool overlaps = false;  ///< counts among what should be decided
+  bool overlaps = false;  ///< undecided, it is named among what the certificate excludes
   int source_robot = 0;
   int target_robot = 0;
   PairVerdict verdict;
+  bool waited_for = true;  ///< false where the two may show different places: need not be decided
 };
 
 /// Decides which pairs are inconsistent with the false-discovery level held over the map (Benjamini-Hochberg on the
 /// p-values), then the map: inconsistent if any pair is; consistent if none is and, for each kind present and each two
-/// robots, at least min_decided of the pairs that overlap or were decided were; otherwise undetermined. Eq. (6)-(7) as
-/// log sums. Changes the verdicts of `pairs` in place.
+/// robots, at least min_decided of the pairs that are waited for or were decided were; otherwise undetermined. Eq.
+/// (6)-(7) as log sums. Changes the verdicts of `pairs` in place.
 [[nodiscard]] MapVerdict judge_map(std::vector<JudgedPair>& pairs, std::span<const std::string> robots,
                                    const JudgeOptions& options);
 

@@ -88,7 +88,9 @@ LogProbability sum_log_probability(const std::vector<JudgedPair>& pairs, std::sp
 }
 
 // What should be decided, and what was.
-bool counts(const JudgedPair& pair) { return pair.overlaps || pair.verdict.verdict != Verdict::kUnverified; }
+bool counts(const JudgedPair& pair) {
+  return (pair.overlaps && pair.waited_for) || pair.verdict.verdict != Verdict::kUnverified;
+}
 
 struct Share {
   std::size_t decided = 0;

@@ -73,6 +73,15 @@ TEST(JudgeMap, DoesNotWaitForPairsThatMayShowDifferentPlaces) {
   EXPECT_EQ(map.decided.global.at("a,b"), 0.5);
 }
 
+TEST(JudgeMap, NamesWhatItDoesNotWaitForAmongWhatTheCertificateExcludes) {
+  std::vector<JudgedPair> pairs = {pair_apart(0.01, 0.01), pair_apart(0.05, 0.2, PairKind::kGlobal, 2),
+                                   pair_apart(0.05, 0.2, PairKind::kGlobal, 3)};
+  pairs[1].waited_for = pairs[2].waited_for = false;
+  const MapVerdict map = judge_map(pairs, kRobots, {});
+  EXPECT_EQ(map.state, MapState::kConsistent);
+  EXPECT_EQ(map.certificate_excludes.size(), 2U);
+}
+
 TEST(JudgeMap, NothingToCompareIsUndetermined) {
   std::vector<JudgedPair> none;
   const std::vector<std::string> one = {"a"};

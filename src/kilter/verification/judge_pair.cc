@@ -179,7 +179,7 @@ PairVerdict judge_displacement(const PairEvidence& pair, const MapNull& null, co
     verdict.reason = pair.gate;
     return verdict;
   }
-  if (pair.common && !pair.common->any && may_show_different_places(pair, null)) {
+  if (shows_no_common_side(pair, null)) {
     verdict.reason = fmt::format(
         "too little overlap: of {} voxels that match, {} show a side that both saw, and no free space speaks against "
         "the map: the places may differ",
@@ -260,11 +260,14 @@ bool may_show_different_places(const PairEvidence& pair, const MapNull& null) {
   return pair.common && !pair.common->enough && pair.map.conflict.share() <= conflict_limit(null);
 }
 
+bool shows_no_common_side(const PairEvidence& pair, const MapNull& null) {
+  return may_show_different_places(pair, null) && !pair.common->any;
+}
+
 PairVerdict judge_pair(const PairEvidence& pair, const MapNull& null, const JudgeOptions& options) {
   PairVerdict verdict = judge_displacement(pair, null, options);
   if (verdict.verdict != Verdict::kConsistent) let_free_space_speak(pair, null, options, verdict);
-  if (verdict.verdict == Verdict::kUnverified && pair.common && pair.common->any &&
-      may_show_different_places(pair, null)) {
+  if (verdict.verdict == Verdict::kUnverified && may_show_different_places(pair, null) && pair.common->any) {
     verdict.reason += fmt::format("; only {:.0f} % show a side that both saw: the map's verdict does not wait for it",
                                   100.0 * pair.common->overlap);
   }
