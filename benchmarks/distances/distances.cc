@@ -17,6 +17,7 @@
 #include "kilter/io/cloud_file.h"
 #include "kilter/io/file.h"
 #include "kilter/io/pose_reader.h"
+#include "kilter/matching/nearest_of_all.h"
 #include "kilter/matching/nearest_voxel.h"
 #include "kilter/occupancy/map_builder.h"
 
@@ -51,12 +52,33 @@ Eigen::Vector3d moved(const Eigen::Isometry3d& T, const Eigen::Vector3f& point_m
 
 Method kilter_method(const Side& source, const Side& target) {
   struct State {
+    NearestVoxelSearch source;
+    NearestVoxelSearch target;
+    State(const Side& from, const Side& onto)
+        : source(from.map, kilter::VoxelPosition::kCentroid, kLimit_m),
+          target(onto.map, kilter::VoxelPosition::kCentroid, kLimit_m) {}
+  };
+  const auto state = std::make_shared<std::unique_ptr<State>>();
+  return {"kilter",
+          [&source, &target, state](const std::vector<Pose3>& poses, std::vector<float>& distances_m, bool build) {
+            if (build || !*state) *state = std::make_unique<State>(source, target);
+            for (const Pose3& pose : poses) {
+              const auto found = kilter::nearest_of_all((*state)->source, (*state)->target, pose, kLimit_m);
+              for (std::size_t i = 0; i < found.size(); ++i) {
+                distances_m[i] = found[i].voxel == kilter::kNoVoxel ? kNone : static_cast<float>(found[i].distance_m);
+              }
+            }
+          }};
+}
+
+Method one_by_one_method(const Side& source, const Side& target) {
+  struct State {
     NearestVoxelSearch search;
     NearestVoxelCursor cursor;
     explicit State(const Side& side) : search(side.map, kilter::VoxelPosition::kCentroid, kLimit_m), cursor(search) {}
   };
   const auto state = std::make_shared<std::unique_ptr<State>>();
-  return {"kilter",
+  return {"kilter, one by one",
           [&source, &target, state](const std::vector<Pose3>& poses, std::vector<float>& distances_m, bool build) {
             if (build || !*state) *state = std::make_unique<State>(target);
             std::vector<std::uint32_t> last(source.points_m.size(), kilter::kNoVoxel);
@@ -191,7 +213,7 @@ int main(int argc, char** argv) {
   const auto T_world_submap = kilter::read_poses(poses->view(), argv[4]);
   if (!T_world_submap || T_world_submap->size() < 2) return 2;
   const Pose3 T_target_source = (*T_world_submap)[0].inverse() * (*T_world_submap)[1];
-  std::vector<Method> methods = {kilter_method(source, target)};
+  std::vector<Method> methods = {kilter_method(source, target), one_by_one_method(source, target)};
 #ifdef KILTER_HAS_NANOFLANN
   methods.push_back(nanoflann_method(source, target));
 #endif

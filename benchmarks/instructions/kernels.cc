@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "kilter/base/vector_path.h"
+#include "kilter/matching/nearest_of_all.h"
 #include "kilter/matching/nearest_voxel.h"
 #include "kilter/occupancy/map_builder.h"
 #include "kilter/registration/normal_equations.h"
@@ -65,6 +66,15 @@ std::string distances(std::size_t asked, const std::function<void(std::vector<ki
 }
 
 // One pose, the statistic's search.
+std::string exact_search_of_all(VectorPath path) {
+  const Scene scene(path);
+  const Pose3 T = Pose3::from_translation(0.05, -0.03, 0.02) * scene.pair.T_target_source;
+  return distances(scene.source.map().voxels().size(), [&](std::vector<kilter::NearestVoxel>& found) {
+    found = kilter::nearest_of_all(scene.source, scene.target, T, kReach_m, path);
+  });
+}
+
+// The same points one by one, as where only some are asked for.
 std::string exact_search(VectorPath path) {
   const Scene scene(path);
   const std::vector<Eigen::Vector3d> points_m = scene.points_target_m();
@@ -126,9 +136,10 @@ struct Kernel {
   std::string_view name;
   std::string (*run)(VectorPath path);
 };
-constexpr std::array kKernels = {Kernel{"exact-search", exact_search}, Kernel{"field-look-up", field_look_up},
-                                 Kernel{"ray-integration", ray_integration}, Kernel{"plane-matches", plane_matches},
-                                 Kernel{"normal-equations", normal_equations}};
+constexpr std::array kKernels = {
+    Kernel{"exact-search", exact_search},   Kernel{"exact-search-of-all", exact_search_of_all},
+    Kernel{"field-look-up", field_look_up}, Kernel{"ray-integration", ray_integration},
+    Kernel{"plane-matches", plane_matches}, Kernel{"normal-equations", normal_equations}};
 
 struct Path {
   std::string_view name;

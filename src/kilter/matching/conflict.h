@@ -5,7 +5,7 @@
 #include <cstddef>
 
 #include "kilter/geometry/pose3.h"
-#include "kilter/matching/nearest_voxel.h"
+#include "kilter/matching/nearest_of_all.h"
 
 namespace kilter {
 
@@ -39,10 +39,14 @@ struct ConflictSample {
 [[nodiscard]] bool is_free_with_neighbours(const VoxelMap& map, const VoxelIndex& voxel);
 
 /// Counts surface voxels (centroid known to be a surface: probability at least that of one hit) that fall where the
-/// other submap is free: the cell and its six neighbours free, and no surface within `margin_m`. Cells within the
-/// margin of a surface count as known but never as conflict, which leaves out grazing rays and the voxels just before
-/// a hit. Every `stride`-th voxel of each is looked at; counts are of those. O(voxels / stride).
-[[nodiscard]] ConflictSample measure_conflict(NearestVoxelCursor& source, NearestVoxelCursor& target,
-                                              const Pose3& T_target_source, double margin_m, std::size_t stride = 1);
+/// other submap is free: the cell and its six neighbours free, and no surface near. Cells near a surface count as known
+/// but never as conflict, which leaves out grazing rays and the voxels just before a hit. O(voxels).
+/// \param near  what lies within the margin of each voxel, between centroids at T_target_source.
+[[nodiscard]] ConflictSample measure_conflict(const VoxelMap& source, const VoxelMap& target,
+                                              const Pose3& T_target_source, const NearestBothWays& near);
+
+/// The same of every `stride`-th voxel of each; counts are of those. O(voxels / stride).
+[[nodiscard]] ConflictSample sample_conflict(NearestVoxelCursor& source, NearestVoxelCursor& target,
+                                             const Pose3& T_target_source, double margin_m, std::size_t stride);
 
 }  // namespace kilter

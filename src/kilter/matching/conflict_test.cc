@@ -26,9 +26,15 @@ VoxelMap wall_at(double x_m, bool with_rays) {
 ConflictSample conflict(const VoxelMap& source, const VoxelMap& target, const Pose3& T) {
   const NearestVoxelSearch source_search(source, VoxelPosition::kCentroid, 1.0);
   const NearestVoxelSearch target_search(target, VoxelPosition::kCentroid, 1.0);
+  const ConflictSample all =
+      measure_conflict(source, target, T, nearest_both_ways(source_search, target_search, T, 0.2));
   NearestVoxelCursor in_source(source_search);
   NearestVoxelCursor in_target(target_search);
-  return measure_conflict(in_source, in_target, T, 0.2);
+  const ConflictSample sampled = sample_conflict(in_source, in_target, T, 0.2, 1);
+  EXPECT_EQ(all.known(), sampled.known());
+  EXPECT_EQ(all.source_in_target.conflicting, sampled.source_in_target.conflicting);
+  EXPECT_EQ(all.target_in_source.conflicting, sampled.target_in_source.conflicting);
+  return all;
 }
 
 TEST(MeasureConflict, AgreeingWallsHaveNone) {

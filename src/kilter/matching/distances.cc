@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "kilter/matching/nearest_of_all.h"
+
 namespace kilter {
 
 std::vector<OptionField> fields(MatchingOptions& o) {
@@ -32,27 +34,28 @@ Eigen::AlignedBox3d widened_box(const VoxelMap& map, double by_m) {
 
 }  // namespace
 
-DistanceSample measure_distances(const VoxelMap& source, NearestVoxelCursor& target, const Pose3& T_target_source,
-                                 const MatchingOptions& options) {
+DistanceSample measure_distances(const NearestVoxelSearch& source, const NearestVoxelSearch& target,
+                                 const Pose3& T_target_source, const MatchingOptions& options) {
   DistanceSample sample;
-  if (source.voxels().size() == 0 || target.map().voxels().size() == 0) return sample;
+  const VoxelMap& from = source.map();
+  const VoxelMap& onto = target.map();
+  if (from.voxels().size() == 0 || onto.voxels().size() == 0) return sample;
   const double d = options.max_distance_m;
-  const Eigen::AlignedBox3d box = widened_box(target.map(), d);
+  const Eigen::AlignedBox3d box = widened_box(onto, d);
   const Eigen::Isometry3d T = T_target_source.isometry();
+  const std::vector<NearestVoxel> nearest = nearest_of_all(source, target, T_target_source, d);
   double euclidean_sum = 0.0;
   double occupancy_sum = 0.0;
-  for (std::size_t i = 0; i < source.voxels().size(); ++i) {
-    const Eigen::Vector3d at_m = T * voxel_position_m(source, i, options.position);
-    if (!box.contains(at_m)) continue;
+  for (std::size_t i = 0; i < nearest.size(); ++i) {
+    if (!box.contains(T * voxel_position_m(from, i, source.position()))) continue;
     ++sample.candidates;
-    const std::optional<NearestVoxel> closest = target.nearest(at_m, d);
-    if (!closest) continue;
+    if (nearest[i].voxel == kNoVoxel) continue;
     const double occupancy_m =
-        options.occupancy_weight_m * std::abs(source.probability(i) - target.map().probability(closest->voxel));
-    const double distance_m = closest->distance_m + occupancy_m;  // Eq. (8)
+        options.occupancy_weight_m * std::abs(from.probability(i) - onto.probability(nearest[i].voxel));
+    const double distance_m = nearest[i].distance_m + occupancy_m;  // Eq. (8)
     if (distance_m > d) continue;
     sample.distances_m.push_back(distance_m);
-    euclidean_sum += closest->distance_m;
+    euclidean_sum += nearest[i].distance_m;
     occupancy_sum += occupancy_m;
   }
   if (sample.matched() > 0) {

@@ -42,8 +42,7 @@ struct DistanceSample {
 /// Eq. (8): d(m_i, n_j) = d_e + d_f with n_j the voxel of the target closest to m_i, and d_f = occupancy_weight *
 /// |p_i - p_j|. A source voxel matches if its d is at most max_distance_m. Both searches' positions must agree.
 /// O(source voxels), exact.
-/// \param target  of the map that is looked in; a cursor that is kept while poses of a pair change saves work.
-[[nodiscard]] DistanceSample measure_distances(const VoxelMap& source, NearestVoxelCursor& target,
+[[nodiscard]] DistanceSample measure_distances(const NearestVoxelSearch& source, const NearestVoxelSearch& target,
                                                const Pose3& T_target_source, const MatchingOptions& options);
 
 /// What measure_distances would find, guessed from at most `max_samples` evenly picked source voxels; scaled up.

@@ -21,8 +21,7 @@ VoxelMap line_map(int count, double slope) {
 
 DistanceSample measure(const VoxelMap& source, const NearestVoxelSearch& target, const Pose3& T_target_source,
                        const MatchingOptions& options) {
-  NearestVoxelCursor cursor(target);
-  return measure_distances(source, cursor, T_target_source, options);
+  return measure_distances({source, target.position(), target.max_distance_m()}, target, T_target_source, options);
 }
 
 TEST(MeasureDistances, IdenticalSubmapsAreAtZero) {

@@ -64,6 +64,7 @@ class NearestVoxelSearch {
 
  private:
   friend class NearestVoxelCursor;
+  friend class BlocksAsking;
   struct LazyField {
     std::once_flag asked;
     std::unique_ptr<const NearestVoxelField> field;

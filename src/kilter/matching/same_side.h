@@ -5,7 +5,7 @@
 #include <cstddef>
 
 #include "kilter/geometry/pose3.h"
-#include "kilter/matching/nearest_voxel.h"
+#include "kilter/matching/nearest_of_all.h"
 
 namespace kilter {
 
@@ -21,10 +21,10 @@ struct SameSide {
   std::size_t backward = 0;  ///< voxels of the target
 };
 
-/// \param max_distance_m  how near is near, between centroids. Of the other's voxels the nearest alone is asked.
-/// Both searches are by centroid. Points alone, without free space, leave a normal's sign open: then only surfaces
-/// across each other are told apart. O(voxels of both).
-[[nodiscard]] SameSide count_same_side(NearestVoxelCursor& source, NearestVoxelCursor& target,
-                                       const Pose3& T_target_source, double max_distance_m);
+/// \param near  the nearest voxel of the other within what counts as near, between centroids; it alone is asked.
+/// Points alone, without free space, leave a normal's sign open: then only surfaces across each other are told apart.
+/// O(voxels of both).
+[[nodiscard]] SameSide count_same_side(const VoxelMap& source, const VoxelMap& target, const Pose3& T_target_source,
+                                       const NearestBothWays& near);
 
 }  // namespace kilter

@@ -27,9 +27,7 @@ VoxelMap face_at(double x_m, double from_m, bool with_rays = true) {
 SameSide same_side(const VoxelMap& source, const VoxelMap& target, double max_distance_m) {
   const NearestVoxelSearch source_search(source, VoxelPosition::kCentroid, 1.0);
   const NearestVoxelSearch target_search(target, VoxelPosition::kCentroid, 1.0);
-  NearestVoxelCursor in_source(source_search);
-  NearestVoxelCursor in_target(target_search);
-  return count_same_side(in_source, in_target, {}, max_distance_m);
+  return count_same_side(source, target, {}, nearest_both_ways(source_search, target_search, {}, max_distance_m));
 }
 
 TEST(CountSameSide, AFaceIsItsOwn) {

@@ -6,31 +6,14 @@
 #include <bit>
 #include <cstring>
 
+#include "kilter/matching/registers.h"
+
 namespace kilter {
 namespace {
 
 // Distances to boxes are rounded down by more than floats can be wrong.
 constexpr float kRoundedDown = 0.999F;
 constexpr float kSlack_m2 = 1e-6F;
-
-// g++ 12 takes the size of a vector from no template's argument.
-template <std::uint32_t kLanes>
-struct Register;
-template <>
-struct Register<4> {
-  using Floats = float __attribute__((vector_size(16)));
-  using Ints = std::int32_t __attribute__((vector_size(16)));
-};
-template <>
-struct Register<8> {
-  using Floats = float __attribute__((vector_size(32)));
-  using Ints = std::int32_t __attribute__((vector_size(32)));
-};
-template <>
-struct Register<16> {
-  using Floats = float __attribute__((vector_size(64)));
-  using Ints = std::int32_t __attribute__((vector_size(64)));
-};
 
 // The nearest point of each lane. Written once for any number of lanes; each caller's target decides which registers
 // they become.
@@ -68,18 +51,6 @@ template <std::uint32_t kLanes>
                     __builtin_shufflevector(least.number, least.number, 1, 0, 3, 2)},
                    least);
     best = {least.square_m2[0], least.number[0]};
-  }
-}
-
-// Whichever of the bits are set in any lane.
-template <std::uint32_t kLanes>
-[[gnu::always_inline]] inline std::uint32_t any_of(const typename Register<kLanes>::Ints& lanes) {
-  if constexpr (kLanes > 4) {
-    std::array<typename Register<kLanes / 2>::Ints, 2> halves{};
-    std::memcpy(halves.data(), &lanes, sizeof(lanes));
-    return any_of<kLanes / 2>(halves[0] | halves[1]);
-  } else {
-    return static_cast<std::uint32_t>(lanes[0] | lanes[1] | lanes[2] | lanes[3]);
   }
 }
 

@@ -52,9 +52,11 @@ struct TwoWaySample {
   }
 };
 
-TwoWaySample sample_both_ways(PairSearches& pair, const Pose3& T_target_source, const CheckOptions& options) {
-  return {measure_distances(pair.source.map(), pair.target, T_target_source, options.matching),
-          measure_distances(pair.target.map(), pair.source, T_target_source.inverse(), options.matching)};
+TwoWaySample sample_both_ways(const PairSearches& pair, const Pose3& T_target_source, const CheckOptions& options) {
+  const NearestVoxelSearch& source = pair.source.search();
+  const NearestVoxelSearch& target = pair.target.search();
+  return {measure_distances(source, target, T_target_source, options.matching),
+          measure_distances(target, source, T_target_source.inverse(), options.matching)};
 }
 
 // Absent when nothing matched.
@@ -64,8 +66,14 @@ std::optional<DistanceHistogram> histogram_of(const TwoWaySample& sample, const 
   return histogram ? std::optional(std::move(*histogram)) : std::nullopt;
 }
 
-PoseEvidence measure_at(PairSearches& pair, const Pose3& T_target_source, const TwoWaySample& sample,
-                        const CheckOptions& options) {
+// Surfaces within the margin of the free-space test.
+NearestBothWays near_surfaces(const PairSearches& pair, const Pose3& T_target_source) {
+  return nearest_both_ways(pair.source_centroids.search(), pair.target_centroids.search(), T_target_source,
+                           kConflictMarginVoxels * pair.target.map().resolution_m());
+}
+
+PoseEvidence measure_at(const PairSearches& pair, const Pose3& T_target_source, const TwoWaySample& sample,
+                        const NearestBothWays& near, const CheckOptions& options) {
   const double resolution_m = pair.target.map().resolution_m();
   PoseEvidence evidence;
   evidence.matched = sample.matched();
@@ -76,8 +84,7 @@ PoseEvidence measure_at(PairSearches& pair, const Pose3& T_target_source, const 
     const Expected<DistributionFit> fit = fit_distribution(sample.forward.distances_m, options.distribution);
     if (fit) evidence.score = score_pair(*fit, resolution_m, options.gamma);
   }
-  evidence.conflict = measure_conflict(pair.source_centroids, pair.target_centroids, T_target_source,
-                                       kConflictMarginVoxels * resolution_m);
+  evidence.conflict = measure_conflict(pair.source.map(), pair.target.map(), T_target_source, near);
   return evidence;
 }
 
@@ -93,11 +100,11 @@ bool could_pass_gate(PairSearches& pair, const Pose3& T_target_source, const Mat
 }
 
 // The gates once more, for voxels that face the same way and are no farther apart than one surface may be.
-std::optional<CommonSurface> common_surface(PairSearches& pair, const Pose3& T_target_source,
-                                            const TwoWaySample& sample, const MatchingOptions& options) {
+std::optional<CommonSurface> common_surface(const PairSearches& pair, const Pose3& T_target_source,
+                                            const TwoWaySample& sample, const NearestBothWays& near,
+                                            const MatchingOptions& options) {
   if (!pair.source.map().has_free_space() || !pair.target.map().has_free_space()) return std::nullopt;
-  const SameSide same = count_same_side(pair.source_centroids, pair.target_centroids, T_target_source,
-                                        kConflictMarginVoxels * pair.target.map().resolution_m());
+  const SameSide same = count_same_side(pair.source.map(), pair.target.map(), T_target_source, near);
   const auto share = [](std::size_t count, std::size_t of) {
     return of == 0 ? 0.0 : static_cast<double>(count) / static_cast<double>(of);
   };
@@ -129,7 +136,8 @@ void measure_registered(PairSearches& pair, const CheckOptions& options, PairEvi
   evidence.registered.reset();
   if (!evidence.registration->converged()) return;
   const Pose3& T_registered = evidence.registration->T_target_source;
-  evidence.registered = measure_at(pair, T_registered, sample_both_ways(pair, T_registered, options), options);
+  evidence.registered = measure_at(pair, T_registered, sample_both_ways(pair, T_registered, options),
+                                   near_surfaces(pair, T_registered), options);
 }
 
 // Whether the local search may have ended in the wrong place: it did not converge, lost what it began with, left
@@ -188,7 +196,8 @@ PairMeasurement measure_pair(const PlacedPair& maps, const CandidatePair& pair, 
     return measurement;
   }
   const TwoWaySample sample = sample_both_ways(both, evidence.T_target_source, options);
-  evidence.map = measure_at(both, evidence.T_target_source, sample, options);
+  const NearestBothWays near = near_surfaces(both, evidence.T_target_source);
+  evidence.map = measure_at(both, evidence.T_target_source, sample, near, options);
   measurement.matched = sample.forward.matched();
   measurement.overlap = sample.forward.overlap();
   measurement.histogram = evidence.map.histogram;
@@ -203,7 +212,7 @@ PairMeasurement measure_pair(const PlacedPair& maps, const CandidatePair& pair, 
   const NearestVoxelSearch& onto = (oicp ? both.target : both.target_centroids).search();
   const RegistrationPrior prior = prior_of(pair, maps.target, options);
   if (evidence.overlaps) {
-    evidence.common = common_surface(both, evidence.T_target_source, sample, options.matching);
+    evidence.common = common_surface(both, evidence.T_target_source, sample, near, options.matching);
     evidence.gap = measure_parallel_gap(both.source.map(), both.target.map(), evidence.T_target_source);
     evidence.registration = align_submaps(from, onto, evidence.T_target_source, options.registration, prior);
     measure_registered(both, options, evidence);

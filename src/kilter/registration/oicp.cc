@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "kilter/matching/nearest_of_all.h"
 #include "kilter/registration/normal_equations.h"
 #include "kilter/registration/uncertainty.h"
 
@@ -32,20 +33,21 @@ struct PointMatch {
 };
 
 std::vector<PointMatch> match_points(const NearestVoxelSearch& source, const NearestVoxelSearch& target,
-                                     NearestVoxelCursor& cursor, const Pose3& T_target_source, double search_m) {
+                                     const Pose3& T_target_source, double search_m) {
   const Eigen::Isometry3d T = T_target_source.isometry();
   const double two_voxels_m = 2.0 * target.map().resolution_m();
+  const std::vector<NearestVoxel> nearest = nearest_of_all(source, target, T_target_source, search_m);
   std::vector<PointMatch> matches;
-  for (std::size_t i = 0; i < source.map().voxels().size(); ++i) {
-    const Eigen::Vector3d at_m = T * voxel_position_m(source.map(), i, source.position());
-    const std::optional<NearestVoxel> nearest = cursor.nearest(at_m, search_m);
-    if (!nearest) continue;
+  for (std::size_t i = 0; i < nearest.size(); ++i) {
+    const auto [voxel, distance_m] = nearest[i];
+    if (voxel == kNoVoxel) continue;
     const double p_source = source.map().probability(i);
-    const double p_target = target.map().probability(nearest->voxel);
+    const double p_target = target.map().probability(voxel);
     if (std::abs(p_source - p_target) > kMaxOccupancyDifference) continue;
-    const double ratio = nearest->distance_m / two_voxels_m;
-    matches.push_back({at_m, voxel_position_m(target.map(), nearest->voxel, target.position()), nearest->voxel,
-                       nearest->distance_m, p_source * p_target / (1.0 + ratio * ratio)});
+    const double ratio = distance_m / two_voxels_m;
+    matches.push_back({T * voxel_position_m(source.map(), i, source.position()),
+                       voxel_position_m(target.map(), voxel, target.position()), voxel, distance_m,
+                       p_source * p_target / (1.0 + ratio * ratio)});
   }
   return matches;
 }
@@ -100,12 +102,9 @@ std::vector<PlaneResidual> axis_residuals(const std::vector<PointMatch>& matches
 
 std::size_t matched_at(const NearestVoxelSearch& source, const NearestVoxelSearch& target, const Pose3& T,
                        double search_m) {
-  NearestVoxelCursor nearest(target);
-  std::size_t matched = 0;
-  for (std::size_t i = 0; i < source.map().voxels().size(); ++i) {
-    if (nearest.nearest(T * voxel_position_m(source.map(), i, source.position()), search_m)) ++matched;
-  }
-  return matched;
+  const std::vector<NearestVoxel> nearest = nearest_of_all(source, target, T, search_m);
+  return static_cast<std::size_t>(std::count_if(nearest.begin(), nearest.end(),
+                                                [](const NearestVoxel& each) { return each.voxel != kNoVoxel; }));
 }
 
 double overlap_at(const NearestVoxelSearch& source, const NearestVoxelSearch& target, const Pose3& T, double search_m) {
@@ -129,11 +128,10 @@ RegistrationResult align_oicp(const NearestVoxelSearch& source, const NearestVox
   double search_m = options.search_distance_m;
   Pose3 T = start;
   std::vector<PointMatch> matches;
-  NearestVoxelCursor cursor(target);
   int settled = 0;
   while (settled < kSettledIterations && result.iterations < options.max_iterations) {
     ++result.iterations;
-    matches = match_points(source, target, cursor, T, search_m);
+    matches = match_points(source, target, T, search_m);
     trim(matches, most);
     if (matches.size() < static_cast<std::size_t>(options.min_matches)) return result;
     const Pose3 step = rigid_fit(matches);

@@ -277,8 +277,8 @@ Optimum judged(PlanePair& pair, const Descent& descent, const RegistrationOption
   const std::size_t support =
       count_below(match_every(pair, descent.T, final_search_m(pair.target_map(), options), stride),
                   kPlaneSupportVoxels * resolution_m);
-  const ConflictSample conflict = measure_conflict(pair.in_source.cursor(), pair.in_target.cursor(), descent.T,
-                                                   kConflictMarginVoxels * resolution_m, stride);
+  const ConflictSample conflict = sample_conflict(pair.in_source.cursor(), pair.in_target.cursor(), descent.T,
+                                                  kConflictMarginVoxels * resolution_m, stride);
   const std::size_t conflicting = conflict.source_in_target.conflicting + conflict.target_in_source.conflicting;
   const double worth = static_cast<double>(support) - kConflictCost * static_cast<double>(conflicting);
   const auto known = static_cast<double>(std::max<std::size_t>(conflict.known(), 1));
