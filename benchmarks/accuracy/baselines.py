@@ -2,18 +2,25 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What others measure on the same pairs, from the definitions in their papers; every score is larger for worse pairs.
 
-All of them are given the voxels of 0.1 m where the map has them, and those of each submap that lie within `reach` of the
-other's box. Radii are tried over a range and the tables show each method's best, which favours it.
+All but the last are given the voxels of 0.1 m where the map has them, and those of each submap that lie within `reach` of
+the other's box. Radii are tried over a range and the tables show each method's best, which favours it.
 
 - *fitness* and *rmse* of ICP: the share of voxels without a neighbour within d, and the RMS distance of the rest;
 - *ndt*: minus the mean likelihood under normal distributions in cells (Magnusson 2009), cells of size d;
 - *entropy*: mean map entropy of the union (Droeschel & Behnke 2014): differential entropy of neighbourhoods of radius d;
 - *coral*: joint minus separate differential entropy over the overlap (Adolfsson et al. 2021), untrained; its two
-  entropies are kept too, for the logistic fit.
+  entropies are kept too, for the logistic fit;
+- *acceptance index*, and the same *of surfaces* (Birk & Carpin 2006): what two occupancy grids with cells of size d know
+  in common and disagree about (acceptance_index.py).
 """
 import numpy as np
 
+import acceptance_index
+
 RADII_M = (0.3, 0.5, 1.0)
+# The d that the tables choose from, by method.
+METHODS = {**dict.fromkeys(("fitness", "rmse", "ndt", "entropy", "coral"), RADII_M),
+           **dict.fromkeys(("acceptance index", "acceptance index of surfaces"), acceptance_index.CELLS_M)}
 NEIGHBOURS = 64  # of a neighbourhood, at most
 POINTS = 1500  # of a pair, evenly picked
 ENOUGH = 6  # points for a covariance
@@ -73,7 +80,7 @@ def tree_of(points):
 
 
 def scores_of(a_m, b_m, tree_a, tree_b):
-    """All baselines of one pair, as a dict."""
+    """All baselines of one pair that need no free space, as a dict."""
     a_at, b_at = thinned(in_box_of(a_m, b_m)), thinned(in_box_of(b_m, a_m))
     if not len(a_at) or not len(b_at):
         return {}
@@ -100,10 +107,11 @@ def scores_of(a_m, b_m, tree_a, tree_b):
     return scores
 
 
-def add(rows, truth):
-    """Adds `baselines` to every row."""
+def add(rows, truth, maps):
+    """Adds `baselines` to every row. maps: the output folder of `kilter submaps`."""
     number = {submap["id"]: i for i, submap in enumerate(truth.submaps)}
     trees = [tree_of(places.voxels_m) for places in truth.places]
     for row in rows:
         a, b = number[row["target"]], number[row["source"]]
         row["baselines"] = scores_of(truth.places[a].voxels_m, truth.places[b].voxels_m, trees[a], trees[b])
+    acceptance_index.add(rows, truth, maps)

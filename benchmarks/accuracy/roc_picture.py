@@ -7,7 +7,7 @@ import scores
 import tables
 
 COLOURS = ("#1f5fa8", "#c8501e", "#3a7d44", "#7a4fa3", "#8a6d1d", "#5b6770", "#b0357a", "#2a8c8c", "#94622e", "#404040",
-           "#d98c00")
+           "#d98c00", "#1c2a6b", "#7db52e")
 
 
 def draw(answers):

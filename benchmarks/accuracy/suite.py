@@ -13,6 +13,7 @@ import json
 import pathlib
 import subprocess
 import sys
+import tempfile
 
 import numpy as np
 
@@ -42,7 +43,8 @@ class Kilter:
     def __init__(self, program):
         self.program = pathlib.Path(program).resolve()
         here = pathlib.Path(__file__).resolve().parent
-        parts = [self.program] + [here / name for name in ("labels.py", "suite.py", "baselines.py")]
+        scripts = ("labels.py", "suite.py", "baselines.py", "acceptance_index.py")
+        parts = [self.program] + [here / name for name in scripts]
         self.stamp = hashlib.sha256(b"".join(part.read_bytes() for part in parts)).hexdigest()[:16]
 
     def run(self, *words, accept=(0,)):
@@ -60,6 +62,10 @@ class Kilter:
         words = [word for each in sets for word in ("--set", each)]
         self.run("check", mission, "-o", out, "--quiet", "--jobs", 1, *words, *more, accept=(0, 1, 4))
         return labels.read_result(out)
+
+    def submaps(self, mission, out, *more, sets=()):
+        words = [word for each in sets for word in ("--set", each)]
+        self.run("submaps", mission, "-o", out, "--quiet", "--jobs", 1, *words, *more)
 
 
 def write_tum(path, rotations, positions):
@@ -193,7 +199,9 @@ def try_mission(mission, kilter, wants_baselines):
     truth = labels.Truth(scans, mission.root / "truth", poses, result["submaps"])
     rows = list(rows_of(mission, result, truth, moved))
     if wants_baselines:
-        baselines.add(rows, truth)
+        with tempfile.TemporaryDirectory() as maps:
+            kilter.submaps(scans, maps, "--poses", poses, "--cuts", work / "out", sets=mission.sets)
+            baselines.add(rows, truth, pathlib.Path(maps))
     wrong = [{"source": w["source"], "target": w["target"], "map_overlap": w["map_overlap"],
               **said_of(next((p for p in result["pairs"]
                               if (p["source"], p["target"]) == (w["source"], w["target"])), None))}

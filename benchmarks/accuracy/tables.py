@@ -8,7 +8,7 @@ import numpy as np
 import ablation
 import bends
 import scores
-from baselines import RADII_M
+from baselines import METHODS, RADII_M
 
 GOOD_M, BAD_M = 0.05, 0.20
 NEAR_GOOD_M, NEAR_BAD_M = 0.03, 0.10
@@ -103,11 +103,11 @@ def area_of(answers, score, limits=(BAD_M, GOOD_M), least_overlap=0.0):
 
 
 def methods(answers):
-    """Every score there is; baselines with the radius that does best over all missions."""
+    """Every score there is; baselines with the d that does best over all missions."""
     found = dict(OURS)
     if any("baselines" in row for row in rows_of(answers)):
-        for name in ("fitness", "rmse", "ndt", "entropy", "coral"):
-            best = max(RADII_M, key=lambda d: np.nan_to_num(area_of(answers, of_baseline(f"{name} {d}"))))
+        for name, sizes in METHODS.items():
+            best = max(sizes, key=lambda d: np.nan_to_num(area_of(answers, of_baseline(f"{name} {d}"))))
             found[f"{name} (d = {best} m)"] = of_baseline(f"{name} {best}")
         found.update(fitted_coral(answers))
     return found
