@@ -103,8 +103,8 @@ std::vector<PlaneResidual> axis_residuals(const std::vector<PointMatch>& matches
 std::size_t matched_at(const NearestVoxelSearch& source, const NearestVoxelSearch& target, const Pose3& T,
                        double search_m) {
   const std::vector<NearestVoxel> nearest = nearest_of_all(source, target, T, search_m);
-  return static_cast<std::size_t>(std::count_if(nearest.begin(), nearest.end(),
-                                                [](const NearestVoxel& each) { return each.voxel != kNoVoxel; }));
+  return static_cast<std::size_t>(
+      std::count_if(nearest.begin(), nearest.end(), [](const NearestVoxel& each) { return each.voxel != kNoVoxel; }));
 }
 
 double overlap_at(const NearestVoxelSearch& source, const NearestVoxelSearch& target, const Pose3& T, double search_m) {
