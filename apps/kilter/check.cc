@@ -50,6 +50,7 @@ struct CheckCommand {
   std::string output_folder = "kilter-out";
   std::optional<std::string> poses_folder;
   std::optional<std::string> cuts;
+  std::optional<std::string> submap_poses;
   bool seed_preset = false;
   bool maps = false;
   G2oDialect g2o_dialect = G2oDialect::kG2o;
@@ -92,11 +93,9 @@ Expected<Job> open_job(const CheckCommand& command) {
   for (const RobotLog& robot : job.mission.robots) {
     if (auto usable = check_usable(robot); !usable) return pass_up(usable.error());
   }
-  if (command.cuts) {
-    Expected<Cuts> cuts = read_cuts_for(job.mission, *command.cuts);
-    if (!cuts) return pass_up(cuts.error());
-    job.cuts = *std::move(cuts);
-  }
+  Expected<Cuts> cuts = place_submaps(job.mission, command.cuts, command.submap_poses);
+  if (!cuts) return pass_up(cuts.error());
+  job.cuts = *std::move(cuts);
   return job;
 }
 
@@ -147,11 +146,9 @@ RunInfo run_info(const CheckCommand& command) {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
   constexpr std::size_t kLinuxUnit = 1024;  // ru_maxrss
-  return {command.sources,
-          command.poses_folder,
-          command.cuts,
-          command.common.jobs,
-          static_cast<std::size_t>(usage.ru_maxrss) * kLinuxUnit,
+  return {command.sources,     command.poses_folder,
+          command.cuts,        command.submap_poses,
+          command.common.jobs, static_cast<std::size_t>(usage.ru_maxrss) * kLinuxUnit,
           date_now()};
 }
 
@@ -307,6 +304,10 @@ void add_check_command(CLI::App& program, int& status) {
       ->option_text("DIR");
   app->add_option("--cuts", command->cuts, "cut submaps at the same scans as this result, so that two compare")
       ->option_text("RESULT");
+  app->add_option("--submap-poses", command->submap_poses,
+                  "move submaps to where this pose graph has them, say what an optimiser made of constraints.g2o; "
+                  "scans need the --cuts of that result")
+      ->option_text("FILE.g2o");
   add_word_option<bool>(*app, "--preset", command->seed_preset, {{"seed", true}},
                         "start from the paper's method and nothing else")
       ->option_text("seed");

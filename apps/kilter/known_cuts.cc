@@ -2,11 +2,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "apps/kilter/known_cuts.h"
 
+#include <algorithm>
 #include <vector>
 
 #include <fmt/format.h>
 
 #include "kilter/io/file.h"
+#include "kilter/io/submap_poses.h"
 
 namespace kilter::app {
 
@@ -28,6 +30,23 @@ Expected<Cuts> read_cuts_for(Mission& mission, const std::string& result) {
   if (!unknown.empty()) {
     mission.notes.push_back(fmt::format("{} has no cuts for {}, cut anew", printable(result), some_of(unknown)));
   }
+  return cuts;
+}
+
+Expected<Cuts> place_submaps(Mission& mission, const std::optional<std::string>& cuts_result,
+                             const std::optional<std::string>& submap_poses) {
+  Cuts cuts;
+  const auto is_finished = [](const RobotLog& robot) { return robot.finished_submaps; };
+  const bool all_finished = std::all_of(mission.robots.begin(), mission.robots.end(), is_finished);
+  if (cuts_result && all_finished) {
+    mission.notes.push_back("finished submaps are not cut: --cuts has no effect on them");
+  } else if (cuts_result) {
+    Expected<Cuts> known = read_cuts_for(mission, *cuts_result);
+    if (!known) return known;
+    cuts = *std::move(known);
+  }
+  if (!submap_poses) return cuts;
+  if (auto moved = move_submaps(*submap_poses, cuts, mission.robots); !moved) return pass_up(moved.error());
   return cuts;
 }
 

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "kilter/base/expected.h"
@@ -13,5 +14,10 @@ namespace kilter::app {
 /// Reads where `--cuts RESULT` cut submaps. Robots of which it knows nothing are cut anew; a note of `mission` then
 /// says which. \return what read_cuts fails with; kCountMismatch where it knows none of the robots.
 [[nodiscard]] Expected<Cuts> read_cuts_for(Mission& mission, const std::string& result);
+
+/// What check and submaps are told by --cuts and --submap-poses: reads the former, and moves the mission's submaps to
+/// where the latter has them. \return where to cut, empty without --cuts; or what either fails with.
+[[nodiscard]] Expected<Cuts> place_submaps(Mission& mission, const std::optional<std::string>& cuts_result,
+                                           const std::optional<std::string>& submap_poses);
 
 }  // namespace kilter::app

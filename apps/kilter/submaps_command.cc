@@ -37,6 +37,7 @@ struct SubmapsCommand {
   std::string output_folder;
   std::optional<std::string> poses_folder;
   std::optional<std::string> cuts;
+  std::optional<std::string> submap_poses;
   SubmapFormat format = SubmapFormat::kOt;
   bool replace = false;
 };
@@ -90,11 +91,9 @@ Done<Job> open_job(const SubmapsCommand& command) {
   for (const RobotLog& robot : job.mission.robots) {
     if (auto usable = check_usable(robot); !usable) return failed(usable.error());
   }
-  if (command.cuts) {
-    Expected<Cuts> cuts = read_cuts_for(job.mission, *command.cuts);
-    if (!cuts) return failed(cuts.error());
-    job.cuts = *std::move(cuts);
-  }
+  Expected<Cuts> cuts = place_submaps(job.mission, command.cuts, command.submap_poses);
+  if (!cuts) return failed(cuts.error());
+  job.cuts = *std::move(cuts);
   if (auto fit = probe_output_folder(command.output_folder, {kPoseGraph}); !fit) return failed(fit.error(), true);
   for (const RobotLog& robot : job.mission.robots) {
     if (auto fit = check_robot_folder(folder_of(command, robot), command.replace); !fit) {
@@ -243,6 +242,9 @@ void add_submaps_command(CLI::App& program, int& status) {
       ->option_text("DIR");
   app->add_option("--cuts", command->cuts, "cut submaps at the same scans as this result of check")
       ->option_text("RESULT");
+  app->add_option("--submap-poses", command->submap_poses,
+                  "move submaps to where this pose graph has them; scans need the --cuts of its result")
+      ->option_text("FILE.g2o");
   app->add_flag("--replace", command->replace, "replace submaps that an earlier run wrote");
   add_common_options(*app, command->common);
   app->callback([command, &status] { status = run_submaps(*command); });

@@ -54,7 +54,10 @@ void write_run(JsonWriter& json, const Result& result, const RunInfo& run) {
   json.key("sources").open_list(Layout::kCompact);
   for (const std::string& source : run.sources) json.value(source);
   json.close();
-  json.field("poses", run.poses).field("cuts", run.cuts).field("jobs", run.jobs);
+  json.field("poses", run.poses)
+      .field("cuts", run.cuts)
+      .field("submap_poses", run.submap_poses)
+      .field("jobs", run.jobs);
   write_map(json, "seconds", result.seconds);
   json.field("peak_memory", run.peak_memory_bytes).field("date", run.date).close();
 }

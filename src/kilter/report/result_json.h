@@ -26,12 +26,13 @@ struct ConfigEcho {
 
 /// What differs between two runs over the same input: time, place and machine. Nothing else in a result does.
 struct RunInfo {
-  std::vector<std::string> sources;   ///< as named on the command line
-  std::optional<std::string> poses;   ///< --poses
-  std::optional<std::string> cuts;    ///< --cuts
-  int jobs = 1;                       ///< threads
-  std::size_t peak_memory_bytes = 0;  ///< of the whole process
-  std::string date;                   ///< ISO 8601, UTC
+  std::vector<std::string> sources;         ///< as named on the command line
+  std::optional<std::string> poses;         ///< --poses
+  std::optional<std::string> cuts;          ///< --cuts
+  std::optional<std::string> submap_poses;  ///< --submap-poses
+  int jobs = 1;                             ///< threads
+  std::size_t peak_memory_bytes = 0;        ///< of the whole process
+  std::string date;                         ///< ISO 8601, UTC
 };
 
 /// 64-bit FNV-1a over the configuration's text and the schema's name, 16 hexadecimal digits: equal for runs whose

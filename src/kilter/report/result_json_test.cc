@@ -36,7 +36,7 @@ struct SampleOptions {
   }
 };
 
-RunInfo sample_run() { return {{"mission"}, std::nullopt, "old", 2, 1000000, "2024-05-01T12:00:00Z"}; }
+RunInfo sample_run() { return {{"mission"}, std::nullopt, "old", "new.g2o", 2, 1000000, "2024-05-01T12:00:00Z"}; }
 
 std::string text_of(const Result& result) { return result_json(result, SampleOptions().echo(), sample_run()); }
 

@@ -259,8 +259,11 @@ std::string how_to_mend(const Result& result, const std::string& folder) {
   const std::string few = 2 * constraints < result.system.inconsistent
                               ? fmt::format(" (constraints for {} of the {})", constraints, result.system.inconsistent)
                               : std::string();
-  return fmt::format("give {0}/constraints.g2o{1} to the optimiser, then check its poses with --poses NEW --cuts {0}",
-                     folder, few);
+  const bool are_cut = std::any_of(result.submaps.begin(), result.submaps.end(),
+                                   [](const SubmapSummary& submap) { return submap.scans.has_value(); });
+  return fmt::format(
+      "give {0}/constraints.g2o{1} to the optimiser, then check the same again with --submap-poses NEW.g2o{2}", folder,
+      few, are_cut ? " --cuts " + folder : std::string());
 }
 
 std::string next_step(const Result& result, const SummaryOptions& options, bool some_never_meet) {
