@@ -7,6 +7,22 @@
 #include <set>
 
 namespace kilter {
+namespace {
+
+// Numbers are sent as they are, so what is computed anew differs by rounding at most.
+constexpr double kSame = 1e-9;
+
+// What all samples say, if there are several and they agree.
+std::optional<Pose3> same_in_all(const std::vector<StampedPose>& samples) {
+  if (samples.size() < 2) return std::nullopt;
+  const Pose3& first = samples.front().T_world_body;
+  const bool agree = std::all_of(samples.begin(), samples.end(), [&](const StampedPose& sample) {
+    return (first.inverse() * sample.T_world_body).log().norm() <= kSame;
+  });
+  return agree ? std::optional(first) : std::nullopt;
+}
+
+}  // namespace
 
 bool is_frame(std::string_view frame, std::string_view name) { return frame.substr(frame.rfind('/') + 1) == name; }
 
@@ -22,6 +38,7 @@ void FrameTree::add(const RosPose& transform, bool is_static) {
 void FrameTree::finish() {
   for (auto& [child, parents] : parents_of_) {
     for (auto& [parent, edge] : parents) {
+      edge.constant = edge.is_static ? std::optional(edge.samples.back().T_world_body) : same_in_all(edge.samples);
       if (!edge.is_static) edge.over_time.emplace(std::move(edge.samples));
     }
   }
@@ -33,9 +50,9 @@ std::vector<FrameTree::Step> FrameTree::static_steps(const std::string& start) c
     const auto parents = parents_of_.find(steps.back().frame);
     if (parents == parents_of_.end()) break;
     const auto edge = std::find_if(parents->second.begin(), parents->second.end(),
-                                   [](const auto& entry) { return entry.second.is_static; });
+                                   [](const auto& entry) { return entry.second.constant.has_value(); });
     if (edge == parents->second.end()) break;
-    steps.push_back({edge->first, edge->second.samples.back().T_world_body * steps.back().T_frame_start});
+    steps.push_back({edge->first, *edge->second.constant * steps.back().T_frame_start});
   }
   return steps;
 }

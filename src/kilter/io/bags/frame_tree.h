@@ -28,7 +28,8 @@ class FrameTree {
   /// To be called once all are added, before anything is asked.
   void finish();
 
-  /// T_a_b by static transforms alone, whichever way they lead; identity where a is b.
+  /// T_a_b by transforms that never change, whichever way they lead; identity where a is b. They are the static ones,
+  /// and others that were sent over and over and always said the same: ROS 1 has long sent a sensor's place on /tf.
   [[nodiscard]] std::optional<Pose3> static_between(const std::string& a, const std::string& b) const;
 
   struct Edge;  ///< a transform between two frames over time
@@ -69,6 +70,7 @@ class FrameTree {
 struct FrameTree::Edge {
   std::vector<StampedPose> samples;  ///< T_parent_child; of a static transform the last one, which holds at any time
   std::optional<StampedTrajectory> over_time;  ///< of others
+  std::optional<Pose3> constant;               ///< T_parent_child of those that never change
   bool is_static = false;
   bool is_correction = false;  ///< the child is odom
 };

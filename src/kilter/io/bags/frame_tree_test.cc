@@ -54,6 +54,24 @@ TEST(FrameTree, HoldsCorrectionsOfDriftForSomeTimeOnly) {
   EXPECT_TRUE(tree.at(*chain, 12 * kSecond, kSecond / 2, kSecond * 121 / 10));
 }
 
+TEST(FrameTree, WhatIsSentOverAndOverTheSameIsAsGoodAsStatic) {
+  FrameTree tree;
+  for (int i = 0; i <= 4; ++i) {
+    tree.add(transform(kSecond * i / 10, "odom", "base", turned(i, 0)), false);
+    tree.add(transform(kSecond * i / 10, "base", "lidar", Pose3::from_translation(0.5, 0, 2)), false);
+    tree.add(transform(kSecond * i / 10, "base", "arm", Pose3::from_translation(0, 0, i == 4 ? 1.01 : 1.0)), false);
+  }
+  tree.add(transform(0, "base", "once", Pose3()), false);
+  tree.finish();
+  const auto T_base_lidar = tree.static_between("base", "lidar");
+  ASSERT_TRUE(T_base_lidar);
+  EXPECT_TRUE(T_base_lidar->translation_m().isApprox(Eigen::Vector3d(0.5, 0, 2), 1e-12));
+  EXPECT_FALSE(tree.static_between("base", "arm"));
+  EXPECT_FALSE(tree.static_between("base", "once"));
+  EXPECT_FALSE(tree.static_between("odom", "base"));
+  EXPECT_EQ(tree.chain_from("lidar")->fixed_frame, "odom");
+}
+
 TEST(FrameTree, KnowsNoWayWhereNothingMoves) {
   FrameTree tree;
   tree.add(transform(0, "base", "lidar", Pose3()), true);
