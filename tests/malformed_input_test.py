@@ -217,6 +217,11 @@ class Malformed(unittest.TestCase):
         run = run_kilter("check", mission, "-o", self.tiny.folder / "near-out")
         self.assertEqual(run.status, 4)
         self.assertIn("submap a/1 holds no surface", run.stderr)
+        run = run_kilter("check", self.tiny.mission, "-o", self.tiny.folder / "bare-out", "--set", "min_range=50")
+        self.assertEqual(run.status, 4, run.stderr)
+        self.assertEqual(run.stderr.count("surface"), 2, run.stderr)
+        self.assertIn("note: robot b: none of its 3 submaps holds a surface\n", run.stderr)
+        self.assertIn("\nNext        widen min_range and max_range: they leave no surface to any submap of a, b\n", run.stdout)
 
     def test_bytes_that_steer_a_terminal_never_reach_it(self):
         name = "\x1b[2Jx"
