@@ -128,6 +128,29 @@ class Submaps(unittest.TestCase):
         self.assertEqual(sorted(path.name for path in earlier.iterdir()), ["a", "b", "submaps.g2o"])
         self.assertFalse(fresh.exists())
 
+    def test_a_lost_connection_stops_it_unless_it_was_started_to_outlive_that(self):
+        folder = self.tiny.folder / "lost"
+        fine = ("--set", "resolution=0.03", "--jobs", 1)
+        # The shell that ends and the system both send one.
+        run = interrupt_kilter(signal.SIGHUP, "submaps", self.tiny.mission, "-o", folder, *fine, after="submaps of b", times=2)
+        self.assertEqual((run.status, run.stdout), (129, ""), run.stderr)
+        self.assertRegex(run.stderr, r"(?m)^cancelled: ")
+        self.assertFalse(folder.exists())
+        run = interrupt_kilter(signal.SIGHUP, "submaps", self.tiny.mission, "-o", folder, "--jobs", 1, after="submaps of a",
+                               ignored=(signal.SIGHUP,))
+        self.assertEqual(run.status, 0, run.stderr)
+        self.assertEqual(sorted(path.name for path in folder.iterdir()), ["a", "b", "submaps.g2o"])
+
+    def test_nobody_who_reads_is_no_reason_to_die(self):
+        folder = self.tiny.folder / "unread"
+        command = [str(kilter_binary()), "submaps", str(self.tiny.mission), "-o", str(folder), "--verbose"]
+        with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as run:
+            run.stderr.readline()
+            run.stderr.close()
+            self.assertIn("`kilter check ", run.stdout.read())
+        self.assertEqual(run.returncode, 0)
+        self.assertEqual(sorted(path.name for path in folder.iterdir()), ["a", "b", "submaps.g2o"])
+
 
 class Trees(unittest.TestCase):
     def test_single_trees_are_compared(self):

@@ -120,8 +120,9 @@ int run(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   using kilter::ErrorCode;
-  // A file that may not grow any further is an error to tell of, not a reason to die.
+  // A file that may not grow any further and a pipe that nobody reads are errors to tell of, not reasons to die.
   std::signal(SIGXFSZ, SIG_IGN);
+  std::signal(SIGPIPE, SIG_IGN);
   try {
     return kilter::app::run(argc, argv);
   } catch (const std::bad_alloc&) {

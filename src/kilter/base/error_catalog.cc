@@ -61,7 +61,7 @@ constexpr std::array kCatalog = {
         "The disk that holds the output folder, or the temporary files of a run that --memory bounds, is full. Results "
         "already there were not touched. Exit status 5."},
     CatalogEntry{ErrorCode::kCancelled, "cancelled",
-                 "The run was stopped by a signal; nothing was written. Exit status 130 or 143."},
+                 "The run was stopped by a signal; nothing was written. Exit status 129, 130 or 143."},
     CatalogEntry{ErrorCode::kInternal, "internal",
                  "A defect of kilter itself. Please report it with the command line and the version. Exit status 5."},
 };
