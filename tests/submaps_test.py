@@ -90,6 +90,19 @@ class Submaps(unittest.TestCase):
         self.assertEqual(after["a/submaps/notes.txt"], b"mine")
         self.assertFalse([name for name in after if name.endswith(".ot")])
 
+    def test_robots_that_are_not_of_this_run_are_named(self):
+        folder = self.tiny.folder / "fewer"
+        rough = ("-o", folder, "--replace", "--set", "resolution=0.3")
+        self.assertNotIn("not of this run", run_kilter("submaps", self.tiny.mission, *rough).stderr)
+        before = bytes_below(folder / "b")
+        alone = ("submaps", self.tiny.mission / "a", *rough)
+        run = run_kilter(*alone)
+        self.assertEqual(run.status, 0, run.stderr)
+        self.assertIn(f"note: {folder} holds b too, which is not of this run and which `kilter check {folder}` reads with it\n",
+                      run.stderr)
+        self.assertEqual(bytes_below(folder / "b"), before)
+        self.assertEqual(run_kilter(*alone, "--quiet").stderr, "")
+
     def test_folders_of_others_are_refused(self):
         run = run_kilter("submaps", self.tiny.mission, "-o", self.tiny.mission)
         self.assertEqual((run.status, run.stdout), (2, ""))
