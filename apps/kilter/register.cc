@@ -126,12 +126,22 @@ Expected<CloudPair> read_clouds(const RegisterCommand& command) {
   clouds.target = *std::move(target);
   clouds.source = *std::move(source);
   clouds.scans = command.scans;
+  clouds.target_name = shown(command.target);
+  clouds.source_name = shown(command.source);
   if (command.init) {
     const Expected<Pose3> init = parse_pose(*command.init, "--init");
     if (!init) return fail(ErrorCode::kUsage, init.error().message, {}, "metres, then a quaternion of length 1");
     clouds.T_target_source_init = *init;
   }
   return clouds;
+}
+
+// Without an origin there is no range.
+void print_note_on_ranges(const RegisterCommand& command, const OccupancyOptions& options) {
+  const OccupancyOptions usual;
+  const bool set = options.min_range_m != usual.min_range_m || options.max_range_m != usual.max_range_m;
+  if (!set || command.scans || command.common.quiet) return;
+  print_note("min_range and max_range apply to scans, and are not used without --scans");
 }
 
 int run_register(const RegisterCommand& command) {
@@ -143,6 +153,7 @@ int run_register(const RegisterCommand& command) {
   }
   const Expected<CloudPair> clouds = read_clouds(command);
   if (!clouds) return print_error(clouds.error());
+  print_note_on_ranges(command, settings->check.submap.occupancy);
   const Expected<PairMeasurement> pair = register_clouds(*clouds, settings->check, {command.common.jobs, nullptr, {}});
   if (!pair) return print_error(pair.error());
   const PairEvidence& evidence = pair->evidence;
