@@ -101,6 +101,15 @@ class RegisterTest(unittest.TestCase):
         done = run_kilter("register", self.root / "target.bin", self.root / "none.bin")
         self.assertEqual(done.status, 3)
         self.assertIn("none.bin", done.stderr)
+        names = "a file that ends in .bin, .pcd, .ply, .las, .ot or .bt"
+        (self.root / "notes.txt").write_text("")
+        for name, said in (("none", "not-found: {}: there is no such file or folder\n"),
+                           ("none.ot", "not-found: {}: there is no such file or folder\n"),
+                           ("notes.txt", f"unsupported: {{}}: expected {names}\n"),
+                           (".", f"unsupported: {{}}: expected {names}, found a folder\n")):
+            done = run_kilter("register", self.root / name, self.root / "source.bin")
+            self.assertEqual(done.status, 3)
+            self.assertTrue(done.stderr.startswith(said.format(self.root / name)), done.stderr)
         done = self.register("--init", "1 2 3")
         self.assertEqual(done.status, 2)
         self.assertIn("--init: expected x y z qx qy qz qw", done.stderr)
@@ -134,7 +143,7 @@ class RegisterTest(unittest.TestCase):
         (self.root / "aligned-link.ply").symlink_to(self.root / "source.bin")
         before = (self.root / "source.bin").read_bytes()
         for name, words in (("source.bin", "ends in .ply"), ("target.bin", "ends in .ply"), ("new", "ends in .ply"),
-                            ("", "ends in .ply"), ("aligned-link.ply", "would be overwritten")):
+                            ("", 'expected a name, found ""'), ("aligned-link.ply", "would be overwritten")):
             done = self.register("-o", self.root / name if name else "")
             self.assertEqual((done.status, done.stdout), (2, ""), name)
             self.assertIn(words, done.stderr)

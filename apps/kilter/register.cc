@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <array>
 #include <cmath>
+#include <filesystem>
 #include <memory>
 #include <numbers>
 #include <optional>
@@ -102,8 +103,20 @@ std::string as_text(const PairEvidence& pair) {
   return text;
 }
 
+Expected<void> check_name(const std::string& file) {
+  const Expected<std::filesystem::file_type> type = type_at(file);
+  if (!type) return pass_up(type.error());
+  if (*type != std::filesystem::file_type::directory && (has_octree_name(file) || cloud_format_of(file))) return {};
+  const bool folder = *type == std::filesystem::file_type::directory;
+  return fail(ErrorCode::kUnsupported,
+              fmt::format("expected a file that ends in .bin, .pcd, .ply, .las, .ot or .bt{}",
+                          folder ? ", found a folder" : ""),
+              shown(file));
+}
+
 // Of a tree the occupied cells' centres.
 Expected<PointCloud> read_file_of_points(const std::string& file) {
+  if (auto fit = check_name(file); !fit) return pass_up(fit.error());
   if (!has_octree_name(file)) return read_cloud_file(file);
   const Expected<OccupancyCells> cells = read_octree_file(file);
   if (!cells) return pass_up(cells.error());
