@@ -90,6 +90,15 @@ class Help(unittest.TestCase):
 
 
 class StandardOutput(unittest.TestCase):
+    @unittest.skipIf(not os.path.exists("/dev/full"), "there is no /dev/full here")
+    def test_one_that_takes_nothing_is_an_error_of_help_and_version_too(self):
+        for arguments in (("--help",), ("--version",), ("check", "--help"), ("config", "show", "--help"), ("explain",)):
+            with self.subTest(arguments=arguments), open("/dev/full", "w", encoding="ascii") as full:
+                run = subprocess.run([str(kilter_binary()), *arguments], stdout=full, stderr=subprocess.PIPE, text=True,
+                                     check=False)
+                self.assertEqual(run.returncode, 5)
+                self.assertTrue(run.stderr.startswith("no-space: standard output: cannot be written: "), run.stderr)
+
     def test_one_that_nobody_reads_any_more_is_an_error_like_others(self):
         ours, theirs = os.pipe()
         os.close(ours)
