@@ -301,8 +301,8 @@ class Trouble(CheckCase):
 
     def test_an_output_folder_without_a_name_is_refused(self):
         run = run_kilter("check", self.tiny.mission, "-o", "")
-        self.assertNotIn(run.status, (0, 1, 4), run.stdout)
-        self.assertNotEqual(run.stderr, "")
+        self.assertEqual((run.status, run.stdout), (2, ""))
+        self.assertTrue(run.stderr.startswith('usage: --output: expected a name, found ""\n'), run.stderr)
 
     @unittest.skipIf(not os.path.exists("/dev/full"), "there is no /dev/full here")
     def test_a_standard_output_that_takes_nothing_ends_with_5(self):

@@ -5,13 +5,15 @@
 from __future__ import annotations
 
 import json
+import os
 import re
+import subprocess
 import tempfile
 import time
 import tomllib
 import unittest
 
-from kilter_runner import SOURCE_DIR, main, run_kilter
+from kilter_runner import SOURCE_DIR, kilter_binary, main, run_kilter
 from tiny_mission import TinyMission
 
 
@@ -85,6 +87,26 @@ class Help(unittest.TestCase):
             self.assertIn(f"kilter {command}", manual)
             for option in re.findall(r"--[a-z][a-z-]+", run_kilter(*command.split(), "--help").stdout):
                 self.assertIn(option, manual)
+
+
+class StandardOutput(unittest.TestCase):
+    @unittest.skipIf(not os.path.exists("/dev/full"), "there is no /dev/full here")
+    def test_one_that_takes_nothing_is_an_error_of_help_and_version_too(self):
+        for arguments in (("--help",), ("--version",), ("check", "--help"), ("config", "show", "--help"), ("explain",)):
+            with self.subTest(arguments=arguments), open("/dev/full", "w", encoding="ascii") as full:
+                run = subprocess.run([str(kilter_binary()), *arguments], stdout=full, stderr=subprocess.PIPE, text=True,
+                                     check=False)
+                self.assertEqual(run.returncode, 5)
+                self.assertTrue(run.stderr.startswith("no-space: standard output: cannot be written: "), run.stderr)
+
+    def test_one_that_nobody_reads_any_more_is_an_error_like_others(self):
+        ours, theirs = os.pipe()
+        os.close(ours)
+        run = subprocess.run([str(kilter_binary()), "config", "show"], stdout=theirs, stderr=subprocess.PIPE, text=True,
+                             check=False)
+        os.close(theirs)
+        self.assertEqual(run.returncode, 5)
+        self.assertTrue(run.stderr.startswith("io: standard output: cannot be written: Broken pipe\n"), run.stderr)
 
 
 class Config(unittest.TestCase):

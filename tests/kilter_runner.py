@@ -23,6 +23,7 @@ import os
 import signal
 import subprocess
 import sys
+import time
 import unittest
 from dataclasses import dataclass
 from pathlib import Path
@@ -64,16 +65,25 @@ def run_kilter(*arguments: object, timeout_s: float = 900.0, cwd: Path | None = 
     return Run(status, done.stdout.decode("utf-8", "replace"), done.stderr.decode("utf-8", "replace"))
 
 
-def interrupt_kilter(number: signal.Signals, *arguments: object, after: str = "", timeout_s: float = 60.0) -> Run:
-    """Runs the program with --verbose, sends it a signal once a message begins with `after`, and waits for its end."""
-    # A test run in the background inherits SIGINT ignored, and kilter respects that.
-    restore = lambda: signal.signal(signal.SIGINT, signal.SIG_DFL)  # noqa: E731
+def interrupt_kilter(number: signal.Signals, *arguments: object, after: str = "", times: int = 1,
+                     ignored: tuple[signal.Signals, ...] = (), timeout_s: float = 60.0) -> Run:
+    """Runs the program with --verbose, sends it a signal once a message begins with `after`, and waits for its end.
+
+    It starts with the signals `ignored`, as under nohup, and no others.
+    """
+    def restore() -> None:
+        # A test run in the background inherits SIGINT ignored, and kilter respects that.
+        for each in (signal.SIGINT, signal.SIGHUP):
+            signal.signal(each, signal.SIG_IGN if each in ignored else signal.SIG_DFL)
+
     with subprocess.Popen([str(kilter_binary()), *map(str, arguments), "--verbose"], stdin=subprocess.DEVNULL,
                           stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, preexec_fn=restore) as run:
         lines = []
         while not lines or (lines[-1] and not lines[-1].startswith(after)):
             lines.append(run.stderr.readline())
-        run.send_signal(number)
+        for _ in range(times):
+            run.send_signal(number)
+            time.sleep(0.01)
         stdout, stderr = run.communicate(timeout=timeout_s)
     status = run.returncode if run.returncode >= 0 else 128 - run.returncode
     return Run(status, stdout, "".join(lines) + stderr)

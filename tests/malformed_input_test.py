@@ -105,6 +105,9 @@ ARGUMENTS = {
     "a sensor beyond the Moon": (["--set", "T_body_sensor=1e19 0 0 0 0 0 1"], 2, "config", "beyond 1e+08 m"),
     "no range at all": (["--set", "min_range=50", "--set", "max_range=10"], 2, "config", "min_range"),
     "a sensor of six numbers": (["--set", "T_body_sensor=0 0 0 0 0 1"], 2, "config", "6 numbers"),
+    "poses without a name": (["--poses", ""], 2, "usage", '--poses: expected a name, found ""'),
+    "cuts without a name": (["--cuts", ""], 2, "usage", '--cuts: expected a name, found ""'),
+    "a configuration without a name": (["--config", ""], 2, "usage", '--config: expected a name, found ""'),
     "poses of nobody": (["--poses", "no/such/poses"], 3, "not-found", "no/such/poses"),
     "cuts of nothing": (["--cuts", "no/such/result"], 3, "not-found", "no/such/result"),
 }
@@ -192,6 +195,15 @@ class Malformed(unittest.TestCase):
             with self.subTest(text[:30]):
                 broken.write_text(text)
                 self.refused(3, code, "broken.json", self.tiny.mission, "--cuts", broken)
+        takes = "try: --cuts takes the output folder of `kilter check`, or its result.json"
+        (self.tiny.folder / "result.kilter").write_bytes(b"KILTER archive \x00\x01")
+        for name in ("result.kilter", "broken.json"):
+            self.refused(3, "parse", takes, self.tiny.mission, "--cuts", self.tiny.folder / name)
+
+    def test_a_file_of_poses_is_no_folder_of_robots_poses(self):
+        file = self.tiny.mission / "a" / "poses.tum"
+        said = f"{file}: expected a folder that holds ROBOT/poses.* for each robot, found a file\n"
+        self.refused(3, "unsupported", said, self.tiny.mission, "--poses", file)
 
     def test_a_scan_without_one_usable_point_is_told_of(self):
         mission = self.tiny.copy("patchy")
@@ -217,6 +229,11 @@ class Malformed(unittest.TestCase):
         run = run_kilter("check", mission, "-o", self.tiny.folder / "near-out")
         self.assertEqual(run.status, 4)
         self.assertIn("submap a/1 holds no surface", run.stderr)
+        run = run_kilter("check", self.tiny.mission, "-o", self.tiny.folder / "bare-out", "--set", "min_range=50")
+        self.assertEqual(run.status, 4, run.stderr)
+        self.assertEqual(run.stderr.count("surface"), 2, run.stderr)
+        self.assertIn("note: robot b: none of its 3 submaps holds a surface\n", run.stderr)
+        self.assertIn("\nNext        widen min_range and max_range: they leave no surface to any submap of a, b\n", run.stdout)
 
     def test_bytes_that_steer_a_terminal_never_reach_it(self):
         name = "\x1b[2Jx"

@@ -4,9 +4,11 @@
 
 from __future__ import annotations
 
+import os
 import re
 import resource
 import subprocess
+import unittest
 
 from check_test import FILES, CheckCase
 from kilter_runner import kilter_binary, main, run_kilter
@@ -40,6 +42,21 @@ class OutputFolder(CheckCase):
         self.assertRegex(run.stderr, r"^io: .*expected a folder")
         self.assertNotIn("submaps", run.stderr)
         self.assertEqual(self.out.read_text(), "mine")
+
+    @unittest.skipUnless(os.path.isdir("/proc/self"), "there is no /proc here")
+    def test_a_folder_that_cannot_be_made_is_found_out_before_any_work(self):
+        for command in ("check", "submaps", "simulate"):
+            source = "office" if command == "simulate" else self.tiny.mission
+            run = run_kilter(command, source, "-o", "/proc/kilter/out", "--verbose")
+            self.assertEqual((run.status, run.stdout), (5, ""))
+            self.assertRegex(run.stderr, r"(?m)^io: /proc/kilter(/out)?: ")
+            self.assertNotRegex(run.stderr, "submaps of|pairs|scans: ")
+
+    def test_looking_whether_it_can_be_written_to_leaves_no_trace(self):
+        run = run_kilter("check", self.tiny.mission, "-o", self.tiny.folder / "not" / "made", "--memory", "10K")
+        self.assertEqual(run.status, 5)
+        self.assertRegex(run.stderr, "(?m)^out-of-memory: ")
+        self.assertFalse((self.tiny.folder / "not").exists())
 
     def test_a_folder_in_the_place_of_a_file_is_refused_before_any_work(self):
         for name in sorted({*FILES, "maps/a.ply", "maps/a.ot", "maps/global.ply", "maps/global.ot"}):

@@ -101,6 +101,15 @@ class RegisterTest(unittest.TestCase):
         done = run_kilter("register", self.root / "target.bin", self.root / "none.bin")
         self.assertEqual(done.status, 3)
         self.assertIn("none.bin", done.stderr)
+        names = "a file that ends in .bin, .pcd, .ply, .las, .ot or .bt"
+        (self.root / "notes.txt").write_text("")
+        for name, said in (("none", "not-found: {}: there is no such file or folder\n"),
+                           ("none.ot", "not-found: {}: there is no such file or folder\n"),
+                           ("notes.txt", f"unsupported: {{}}: expected {names}\n"),
+                           (".", f"unsupported: {{}}: expected {names}, found a folder\n")):
+            done = run_kilter("register", self.root / name, self.root / "source.bin")
+            self.assertEqual(done.status, 3)
+            self.assertTrue(done.stderr.startswith(said.format(self.root / name)), done.stderr)
         done = self.register("--init", "1 2 3")
         self.assertEqual(done.status, 2)
         self.assertIn("--init: expected x y z qx qy qz qw", done.stderr)
@@ -115,11 +124,26 @@ class RegisterTest(unittest.TestCase):
         (self.root / "empty.bin").write_bytes(b"")
         self.assertEqual(run_kilter("register", self.root / "target.bin", self.root / "empty.bin").status, 3)
 
+    def test_ranges_apply_to_scans_only_and_name_the_one_that_they_leave_nothing_of(self):
+        unused = "note: min_range and max_range apply to scans, and are not used without --scans\n"
+        plain = self.register("--json")
+        done = self.register("--json", "--set", "min_range=2")
+        self.assertEqual((done.status, done.stdout, done.stderr), (0, plain.stdout, unused))
+        self.assertEqual(self.register("--set", "max_range=5", "--quiet").stderr, "")
+        self.assertEqual(self.register("--set", "max_range=9", "--scans").stderr, "")
+        write_bin(self.root / "near.bin", [(p[0] % 1, p[1] % 1, p[2] % 1) for p in room()])
+        for clouds in (("target.bin", "near.bin"), ("near.bin", "target.bin")):
+            paths = [self.root / name for name in clouds]
+            done = run_kilter("register", *paths, "--scans", "--set", "min_range=3")
+            self.assertEqual((done.status, done.stdout), (3, ""))
+            self.assertEqual(done.stderr, f"invalid-points: {self.root / 'near.bin'}: none of its {len(room())} points leaves "
+                                          "a voxel between min_range (3 m) and max_range (60 m)\n  try: widen the two\n")
+
     def test_never_writes_onto_its_inputs_or_what_is_no_ply(self):
         (self.root / "aligned-link.ply").symlink_to(self.root / "source.bin")
         before = (self.root / "source.bin").read_bytes()
         for name, words in (("source.bin", "ends in .ply"), ("target.bin", "ends in .ply"), ("new", "ends in .ply"),
-                            ("", "ends in .ply"), ("aligned-link.ply", "would be overwritten")):
+                            ("", 'expected a name, found ""'), ("aligned-link.ply", "would be overwritten")):
             done = self.register("-o", self.root / name if name else "")
             self.assertEqual((done.status, done.stdout), (2, ""), name)
             self.assertIn(words, done.stderr)

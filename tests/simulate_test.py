@@ -112,9 +112,9 @@ class Simulate(unittest.TestCase):
         before = tree_bytes(earlier)
         fresh = self.folder / "fresh"
         limit = lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (65536, 65536))  # noqa: E731
-        for folder in (earlier, fresh):
-            run = interrupt_kilter(signal.SIGTERM, "simulate", "office", "-o", folder, "--replace", "--jobs", "1")
-            self.assertEqual((run.status, run.stdout), (143, ""), run.stderr)
+        for folder, number in ((earlier, signal.SIGTERM), (fresh, signal.SIGHUP)):
+            run = interrupt_kilter(number, "simulate", "office", "-o", folder, "--replace", "--jobs", "1")
+            self.assertEqual((run.status, run.stdout), (128 + number, ""), run.stderr)
             self.assertRegex(run.stderr, r"(?m)^cancelled: ")
             full = subprocess.run([str(kilter_binary()), "simulate", "office", "-o", str(folder), "--replace"],
                                   capture_output=True, text=True, preexec_fn=limit, check=False)

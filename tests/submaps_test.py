@@ -90,6 +90,19 @@ class Submaps(unittest.TestCase):
         self.assertEqual(after["a/submaps/notes.txt"], b"mine")
         self.assertFalse([name for name in after if name.endswith(".ot")])
 
+    def test_robots_that_are_not_of_this_run_are_named(self):
+        folder = self.tiny.folder / "fewer"
+        rough = ("-o", folder, "--replace", "--set", "resolution=0.3")
+        self.assertNotIn("not of this run", run_kilter("submaps", self.tiny.mission, *rough).stderr)
+        before = bytes_below(folder / "b")
+        alone = ("submaps", self.tiny.mission / "a", *rough)
+        run = run_kilter(*alone)
+        self.assertEqual(run.status, 0, run.stderr)
+        self.assertIn(f"note: {folder} holds b too, which is not of this run and which `kilter check {folder}` reads with it\n",
+                      run.stderr)
+        self.assertEqual(bytes_below(folder / "b"), before)
+        self.assertEqual(run_kilter(*alone, "--quiet").stderr, "")
+
     def test_folders_of_others_are_refused(self):
         run = run_kilter("submaps", self.tiny.mission, "-o", self.tiny.mission)
         self.assertEqual((run.status, run.stdout), (2, ""))
@@ -127,6 +140,29 @@ class Submaps(unittest.TestCase):
         self.assertEqual(bytes_below(earlier), before)
         self.assertEqual(sorted(path.name for path in earlier.iterdir()), ["a", "b", "submaps.g2o"])
         self.assertFalse(fresh.exists())
+
+    def test_a_lost_connection_stops_it_unless_it_was_started_to_outlive_that(self):
+        folder = self.tiny.folder / "lost"
+        fine = ("--set", "resolution=0.03", "--jobs", 1)
+        # The shell that ends and the system both send one.
+        run = interrupt_kilter(signal.SIGHUP, "submaps", self.tiny.mission, "-o", folder, *fine, after="submaps of b", times=2)
+        self.assertEqual((run.status, run.stdout), (129, ""), run.stderr)
+        self.assertRegex(run.stderr, r"(?m)^cancelled: ")
+        self.assertFalse(folder.exists())
+        run = interrupt_kilter(signal.SIGHUP, "submaps", self.tiny.mission, "-o", folder, "--jobs", 1, after="submaps of a",
+                               ignored=(signal.SIGHUP,))
+        self.assertEqual(run.status, 0, run.stderr)
+        self.assertEqual(sorted(path.name for path in folder.iterdir()), ["a", "b", "submaps.g2o"])
+
+    def test_nobody_who_reads_is_no_reason_to_die(self):
+        folder = self.tiny.folder / "unread"
+        command = [str(kilter_binary()), "submaps", str(self.tiny.mission), "-o", str(folder), "--verbose"]
+        with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as run:
+            run.stderr.readline()
+            run.stderr.close()
+            self.assertIn("`kilter check ", run.stdout.read())
+        self.assertEqual(run.returncode, 0)
+        self.assertEqual(sorted(path.name for path in folder.iterdir()), ["a", "b", "submaps.g2o"])
 
 
 class Trees(unittest.TestCase):

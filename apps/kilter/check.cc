@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: The kilter authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include <ctime>
+#include <iterator>
 #include <map>
 #include <memory>
 #include <optional>
@@ -219,14 +220,28 @@ std::vector<OutputFile> output_files(const CheckCommand& command, const Result& 
   return files;
 }
 
+// One line for a robot all of whose submaps are bare, instead of one for each of them.
+void print_notes_on_bare_submaps(const Result& result) {
+  std::map<std::string, std::vector<std::string>> bare;
+  for (const SubmapSummary& submap : result.submaps) {
+    if (submap.occupied == 0) bare[submap.robot].push_back(printable(submap.name));
+  }
+  for (const RobotSummary& robot : result.robots) {
+    const std::vector<std::string>& submaps = bare[robot.name];
+    if (submaps.size() > 1 && std::ssize(submaps) == robot.submaps) {
+      print_note(fmt::format("robot {}: none of its {} submaps holds a surface", robot.name, submaps.size()));
+      continue;
+    }
+    for (const std::string& submap : submaps) print_note(fmt::format("submap {} holds no surface at all", submap));
+  }
+}
+
 // What is no error, but a person should know.
 void print_notes(const CheckCommand& command, const Result& result) {
   if (command.common.quiet) return;
+  print_notes_on_bare_submaps(result);
   std::map<std::string, std::size_t> dropped;
-  for (const SubmapSummary& submap : result.submaps) {
-    dropped[submap.robot] += submap.dropped_points;
-    if (submap.occupied == 0) print_note(fmt::format("submap {} holds no surface at all", printable(submap.name)));
-  }
+  for (const SubmapSummary& submap : result.submaps) dropped[submap.robot] += submap.dropped_points;
   for (const auto& [robot, points] : dropped) {
     if (points == 0) continue;
     print_note(fmt::format("robot {}: {} points were left out, being not finite or too far away", robot, points));

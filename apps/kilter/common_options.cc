@@ -40,6 +40,13 @@ void add_common_options(CLI::App& command, CommonOptions& options) {
       command.add_flag("--json", options.json, "the result as JSON on standard output, and nothing else there"),
       command.add_flag("--no-color", options.no_color, "no colours; NO_COLOR in the environment does the same")};
   for (CLI::Option* option : all) option->group("Options of all commands");
+  // A script's variable that is not set, most of the time.
+  const auto is_name = [](const std::string& text) {
+    return text.empty() ? "expected a name, found \"\"" : std::string();
+  };
+  for (const char* name : {"--output", "--poses", "--cuts", "--submap-poses", "--config"}) {
+    if (CLI::Option* option = command.get_option_no_throw(name)) option->check(is_name);
+  }
   command.footer("");
 }
 

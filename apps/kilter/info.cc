@@ -161,7 +161,7 @@ std::string as_text(const Mission& mission, const Inspection& inspection) {
   }
   text += fmt::format("Likely {}", counted(inspection.likely_submaps, "submap"));
   if (inspection.likely_pairs) {
-    text += fmt::format(", {} of them near each other", counted(*inspection.likely_pairs, "pair"));
+    text += fmt::format(", {} of them near enough to show the same place", counted(*inspection.likely_pairs, "pair"));
   }
   text += '\n';
   for (const RobotInspection& robot : inspection.robots) {
@@ -186,7 +186,7 @@ int run_info(const InfoCommand& command) {
   if (command.poses_folder) options.poses_folder = *command.poses_folder;
   const Expected<Mission> mission = open_mission(command.sources, options);
   if (!mission) return print_error(mission.error());
-  const Expected<Inspection> inspection = inspect(*mission, settings->check.submap.cutting);
+  const Expected<Inspection> inspection = inspect(*mission, settings->check.submap);
   if (!inspection) return print_error(inspection.error());
   if (!command.common.quiet) {
     for (const std::string& note : mission->notes) print_note(note);

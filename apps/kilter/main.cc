@@ -4,6 +4,7 @@
 #include <exception>
 #include <new>
 #include <optional>
+#include <sstream>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -89,6 +90,16 @@ int refuse_command_line(const CLI::App& program, const CLI::ParseError& error) {
                       nearest.starts_with('-') ? nearest : words + " --help"});
 }
 
+// --help, --version
+int print_wanted(const CLI::App& program, const CLI::Success& wanted) {
+  std::ostringstream text;
+  const int status = program.exit(wanted, text, text);
+  const Expected<void> done = print_out(text.str());
+  if (done) return status;
+  print_error(done.error());
+  return exit_status_of_output(done.error().code);
+}
+
 int run(int argc, char** argv) {
   CLI::App program("kilter finds where a 3-D lidar map built by several robots does not agree with itself.", "kilter");
   program.set_version_flag("--version", "kilter " + std::string(kVersion), "print the version");
@@ -108,7 +119,7 @@ int run(int argc, char** argv) {
   try {
     program.parse(argc, argv);
   } catch (const CLI::Success& wanted) {
-    return program.exit(wanted);  // --help, --version
+    return print_wanted(program, wanted);
   } catch (const CLI::ParseError& error) {
     return refuse_command_line(program, error);
   }
@@ -120,8 +131,9 @@ int run(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   using kilter::ErrorCode;
-  // A file that may not grow any further is an error to tell of, not a reason to die.
+  // A file that may not grow any further and a pipe that nobody reads are errors to tell of, not reasons to die.
   std::signal(SIGXFSZ, SIG_IGN);
+  std::signal(SIGPIPE, SIG_IGN);
   try {
     return kilter::app::run(argc, argv);
   } catch (const std::bad_alloc&) {

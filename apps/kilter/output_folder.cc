@@ -5,7 +5,6 @@
 #include <system_error>
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include "apps/kilter/staging_folder.h"
 #include "kilter/io/file.h"
@@ -46,11 +45,13 @@ Expected<void> probe_output_folder(const fs::path& folder, const std::vector<fs:
   if (existing.empty()) existing = ".";
   if (!fs::is_directory(existing, error))
     return refuse(existing, "expected a folder to write to, found something else");
-  if (::access(existing.c_str(), W_OK | X_OK) != 0) return refuse(existing, "this folder may not be written to");
   for (const fs::path& name : names) {
     if (auto fit = check_name(folder, name); !fit) return fit;
   }
-  return {};
+  Expected<StagingFolder> made = StagingFolder::make_in(folder);
+  if (made) return {};
+  made.error().hint = "name another folder with -o";
+  return pass_up(made.error());
 }
 
 Expected<void> check_output_file(const fs::path& file, std::string_view extension,

@@ -17,9 +17,9 @@ struct OutputFile {
   std::string bytes;
 };
 
-/// Whether files of these names could be written to `folder`, found out before hours of work and without making
-/// anything: it is a folder, or the nearest of its parents that exists is, and no folder has the name of a file, nor
-/// anything else that of a folder inside it. \return kIo.
+/// Whether files of these names could be written to `folder`, found out before hours of work: it is a folder or can be
+/// made (what is made to find out goes again), and no folder has the name of a file, nor anything else that of a folder
+/// inside it. \return kIo, kNoSpace.
 [[nodiscard]] Expected<void> probe_output_folder(const std::filesystem::path& folder,
                                                  const std::vector<std::filesystem::path>& names = {});
 

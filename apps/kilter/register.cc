@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <array>
 #include <cmath>
+#include <filesystem>
 #include <memory>
 #include <numbers>
 #include <optional>
@@ -102,8 +103,20 @@ std::string as_text(const PairEvidence& pair) {
   return text;
 }
 
+Expected<void> check_name(const std::string& file) {
+  const Expected<std::filesystem::file_type> type = type_at(file);
+  if (!type) return pass_up(type.error());
+  if (*type != std::filesystem::file_type::directory && (has_octree_name(file) || cloud_format_of(file))) return {};
+  const bool folder = *type == std::filesystem::file_type::directory;
+  return fail(ErrorCode::kUnsupported,
+              fmt::format("expected a file that ends in .bin, .pcd, .ply, .las, .ot or .bt{}",
+                          folder ? ", found a folder" : ""),
+              shown(file));
+}
+
 // Of a tree the occupied cells' centres.
 Expected<PointCloud> read_file_of_points(const std::string& file) {
+  if (auto fit = check_name(file); !fit) return pass_up(fit.error());
   if (!has_octree_name(file)) return read_cloud_file(file);
   const Expected<OccupancyCells> cells = read_octree_file(file);
   if (!cells) return pass_up(cells.error());
@@ -126,12 +139,22 @@ Expected<CloudPair> read_clouds(const RegisterCommand& command) {
   clouds.target = *std::move(target);
   clouds.source = *std::move(source);
   clouds.scans = command.scans;
+  clouds.target_name = shown(command.target);
+  clouds.source_name = shown(command.source);
   if (command.init) {
     const Expected<Pose3> init = parse_pose(*command.init, "--init");
     if (!init) return fail(ErrorCode::kUsage, init.error().message, {}, "metres, then a quaternion of length 1");
     clouds.T_target_source_init = *init;
   }
   return clouds;
+}
+
+// Without an origin there is no range.
+void print_note_on_ranges(const RegisterCommand& command, const OccupancyOptions& options) {
+  const OccupancyOptions usual;
+  const bool set = options.min_range_m != usual.min_range_m || options.max_range_m != usual.max_range_m;
+  if (!set || command.scans || command.common.quiet) return;
+  print_note("min_range and max_range apply to scans, and are not used without --scans");
 }
 
 int run_register(const RegisterCommand& command) {
@@ -143,6 +166,7 @@ int run_register(const RegisterCommand& command) {
   }
   const Expected<CloudPair> clouds = read_clouds(command);
   if (!clouds) return print_error(clouds.error());
+  print_note_on_ranges(command, settings->check.submap.occupancy);
   const Expected<PairMeasurement> pair = register_clouds(*clouds, settings->check, {command.common.jobs, nullptr, {}});
   if (!pair) return print_error(pair.error());
   const PairEvidence& evidence = pair->evidence;

@@ -25,12 +25,13 @@ void remember(int number) {
 void catch_stop_signals() {
   struct sigaction action {};
   action.sa_handler = remember;
-  // Back to the default after the first, so that a second Ctrl-C is not swallowed.
-  action.sa_flags = SA_RESTART | static_cast<int>(SA_RESETHAND);
   sigemptyset(&action.sa_mask);
-  for (const int number : {SIGINT, SIGTERM}) {
+  for (const int number : {SIGINT, SIGTERM, SIGHUP}) {
+    // Back to the default after the first, so that a second Ctrl-C is not swallowed; but where a connection is lost,
+    // the shell and the system both send SIGHUP.
+    action.sa_flags = SA_RESTART | (number == SIGHUP ? 0 : static_cast<int>(SA_RESETHAND));
     struct sigaction before {};
-    // Who starts us in the background with `&` has asked for SIGINT to be ignored.
+    // Who starts us in the background with `&` has asked for SIGINT to be ignored, who starts us by nohup for SIGHUP.
     if (sigaction(number, nullptr, &before) == 0 && before.sa_handler == SIG_IGN) continue;
     sigaction(number, &action, nullptr);
   }

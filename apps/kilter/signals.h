@@ -6,7 +6,8 @@
 
 namespace kilter::app {
 
-/// From now on the first SIGINT or SIGTERM only raises `stop_flag`; a second one ends the program at once.
+/// From now on the first SIGINT, SIGTERM or SIGHUP only raises `stop_flag`; a second one of the first two ends the
+/// program at once. Signals that were ignored when the program began stay so.
 void catch_stop_signals();
 
 /// True once a stop was asked for; for RunContext::cancelled.

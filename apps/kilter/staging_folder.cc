@@ -24,32 +24,58 @@ tl::unexpected<Error> refuse(const std::error_code& error, const std::string& wh
   return fail(full ? ErrorCode::kNoSpace : ErrorCode::kIo, fmt::format("{}: {}", what, error.message()), shown(path));
 }
 
+// The folder or, if it is missing as well, the highest one above it that is; nothing where it is there.
+fs::path first_missing(const fs::path& folder) {
+  fs::path missing;
+  std::error_code error;
+  for (fs::path path = folder; !path.empty() && fs::status(path, error).type() == fs::file_type::not_found;
+       path = path.parent_path()) {
+    missing = path;
+  }
+  return missing;
+}
+
+// From the folder up to `first_made`; one that holds something stays.
+void remove_empty_folders(fs::path folder, const fs::path& first_made) {
+  while (!first_made.empty() && !folder.empty()) {
+    ::rmdir(folder.c_str());
+    if (folder == first_made) return;
+    folder = folder.parent_path();
+  }
+}
+
 }  // namespace
 
-StagingFolder::StagingFolder(fs::path folder, fs::path path, bool made_folder)
-    : folder_(std::move(folder)), path_(std::move(path)), made_folder_(made_folder) {}
+StagingFolder::StagingFolder(fs::path folder, fs::path path, fs::path first_made)
+    : folder_(std::move(folder)), path_(std::move(path)), first_made_(std::move(first_made)) {}
 
 StagingFolder::StagingFolder(StagingFolder&& other) noexcept
-    : folder_(std::move(other.folder_)), path_(std::exchange(other.path_, {})), made_folder_(other.made_folder_) {}
+    : folder_(std::move(other.folder_)),
+      path_(std::exchange(other.path_, {})),
+      first_made_(std::move(other.first_made_)) {}
 
 StagingFolder::~StagingFolder() {
   if (path_.empty()) return;
   std::error_code error;
   fs::remove_all(path_, error);
-  if (made_folder_ && fs::is_empty(folder_, error)) fs::remove(folder_, error);
+  remove_empty_folders(folder_, first_made_);
 }
 
 Expected<StagingFolder> StagingFolder::make_in(const fs::path& folder) {
   std::error_code error;
-  const bool made_folder = fs::create_directories(folder, error);
-  if (error) return refuse(error, "cannot be made", folder);
+  const fs::path first_made = first_missing(folder);
+  fs::create_directories(folder, error);
+  if (error) {
+    remove_empty_folders(folder, first_made);
+    return refuse(error, "cannot be made", folder);
+  }
   std::string name = (folder / ".kilter-XXXXXX").native();
   if (::mkdtemp(name.data()) == nullptr) {
     error = {errno, std::generic_category()};
-    if (std::error_code ignored; made_folder) fs::remove(folder, ignored);
+    remove_empty_folders(folder, first_made);
     return refuse(error, "nothing can be written into it", folder);
   }
-  return StagingFolder(folder, name, made_folder);
+  return StagingFolder(folder, name, first_made);
 }
 
 Expected<void> StagingFolder::write(const fs::path& name, std::string_view bytes) const {

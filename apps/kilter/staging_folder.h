@@ -11,7 +11,8 @@
 namespace kilter::app {
 
 /// A hidden folder inside an output folder, where a run writes everything before anything gets its final name. What is
-/// still in it when it goes, is removed; and so is the output folder, if it was made for this and nothing came of it.
+/// still in it when it goes, is removed; and so are the output folder and those above it, if they were made for this
+/// and nothing came of it.
 class StagingFolder {
  public:
   /// Makes `folder` where it is missing, and the hidden one in it. \return kIo, kNoSpace.
@@ -33,11 +34,11 @@ class StagingFolder {
   [[nodiscard]] Expected<void> publish(const std::vector<std::filesystem::path>& names) const;
 
  private:
-  StagingFolder(std::filesystem::path folder, std::filesystem::path path, bool made_folder);
+  StagingFolder(std::filesystem::path folder, std::filesystem::path path, std::filesystem::path first_made);
 
   std::filesystem::path folder_;
-  std::filesystem::path path_;  // empty: moved away
-  bool made_folder_;
+  std::filesystem::path path_;        // empty: moved away
+  std::filesystem::path first_made_;  // the output folder or one above it; empty: it was there
 };
 
 }  // namespace kilter::app

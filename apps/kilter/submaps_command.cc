@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: The kilter authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
 #include <memory>
 #include <optional>
 #include <string>
@@ -21,6 +22,7 @@
 #include "apps/kilter/word_option.h"
 #include "kilter/io/file.h"
 #include "kilter/io/mission.h"
+#include "kilter/io/sources/robot_folder.h"
 #include "kilter/io/usable_points.h"
 #include "kilter/report/constraints_g2o.h"
 #include "kilter/report/json_writer.h"
@@ -208,6 +210,22 @@ void print_notes(const SubmapsCommand& command, const Job& job) {
   }
 }
 
+// Robots that an earlier run left there, or that somebody put there: one `check` of the folder reads them all.
+void print_note_on_others(const SubmapsCommand& command, const Job& job) {
+  const std::filesystem::path folder = command.output_folder;
+  const Expected<std::vector<std::string>> names = list_folder(folder);
+  if (command.common.quiet || !names) return;
+  std::vector<std::string> others;
+  for (const std::string& name : *names) {
+    const bool is_ours = std::any_of(job.mission.robots.begin(), job.mission.robots.end(),
+                                     [&](const RobotLog& robot) { return robot.name == name; });
+    if (!is_ours && !name.starts_with('.') && is_robot_folder(folder / name)) others.push_back(name);
+  }
+  if (others.empty()) return;
+  print_note(fmt::format("{0} holds {1} too, which {2} not of this run and which `kilter check {0}` reads with it",
+                         shown(folder), some_of(others), others.size() == 1 ? "is" : "are"));
+}
+
 int finish(const Failure& failure) {
   print_error(failure.error);
   return failure.is_output ? exit_status_of_output(failure.error.code) : exit_status(failure.error.code);
@@ -220,6 +238,7 @@ int run_submaps(const SubmapsCommand& command) {
   catch_stop_signals();
   const Done<std::vector<WrittenRobot>> written = write_all(command, *job);
   if (!written) return finish(written.error());
+  print_note_on_others(command, *job);
   const Expected<void> done = print_out(command.common.json ? as_json(command, *written) : as_text(command, *written));
   return done ? kExitGood : finish({done.error(), true});
 }

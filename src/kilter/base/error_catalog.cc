@@ -37,9 +37,11 @@ constexpr std::array kCatalog = {
     CatalogEntry{ErrorCode::kInvalidPose, "invalid-pose",
                  "A pose holds NaN or Inf, its quaternion is more than 1 % away from unit length, or its matrix is not "
                  "a rotation. Often columns are in another order (kilter reads x y z qx qy qz qw). Exit status 3."},
-    CatalogEntry{ErrorCode::kInvalidPoints, "invalid-points",
-                 "A cloud, or each of a robot's scans, has no point that can be used: there is none, or all are NaN, "
-                 "infinite or farther than any lidar sees (10 km), as georeferenced coordinates are. Exit status 3."},
+    CatalogEntry{
+        ErrorCode::kInvalidPoints, "invalid-points",
+        "A cloud, or each of a robot's scans, has no point that can be used: there is none, or all are NaN, "
+        "infinite, farther than any lidar sees (10 km), as georeferenced coordinates are, or outside min_range and "
+        "max_range. Exit status 3."},
     CatalogEntry{ErrorCode::kUnsupported, "unsupported",
                  "A file is of a kind or variant that kilter does not read, or a folder holds what does not belong "
                  "together, such as clouds of two formats. Convert the file to .pcd, .ply or .ot, or move away what "
@@ -61,7 +63,7 @@ constexpr std::array kCatalog = {
         "The disk that holds the output folder, or the temporary files of a run that --memory bounds, is full. Results "
         "already there were not touched. Exit status 5."},
     CatalogEntry{ErrorCode::kCancelled, "cancelled",
-                 "The run was stopped by a signal; nothing was written. Exit status 130 or 143."},
+                 "The run was stopped by a signal; nothing was written. Exit status 129, 130 or 143."},
     CatalogEntry{ErrorCode::kInternal, "internal",
                  "A defect of kilter itself. Please report it with the command line and the version. Exit status 5."},
 };

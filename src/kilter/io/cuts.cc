@@ -21,6 +21,8 @@ constexpr int kMaxDepth = 32;
 // Keeps `last + 1` from wrapping; a robot that scans at 10 Hz would take three years.
 constexpr std::uint64_t kMaxScan = 1'000'000'000;
 
+constexpr const char* kTakes = "--cuts takes the output folder of `kilter check`, or its result.json";
+
 // Builds only the keys of interest, so that the thousands of pairs in a large result cost no memory.
 Expected<json> parse_root(std::string_view text, const std::string& where) {
   bool too_deep = false;
@@ -36,9 +38,10 @@ Expected<json> parse_root(std::string_view text, const std::string& where) {
     json root = json::parse(text.begin(), text.end(), keep);
     if (!too_deep) return root;
     return fail(ErrorCode::kParse, fmt::format("the JSON is nested more than {} deep", kMaxDepth), where);
-  } catch (const json::exception& e) {
-    // Its text tells position and token; what it quotes from the file is made safe.
-    return fail(ErrorCode::kParse, fmt::format("not valid JSON: {}", printable(e.what(), 300)), where);
+  } catch (const json::parse_error& error) {
+    return fail(ErrorCode::kParse, fmt::format("not valid JSON at byte {}", error.byte), where, kTakes);
+  } catch (const json::exception&) {
+    return fail(ErrorCode::kParse, "not valid JSON: a number is too large", where, kTakes);
   }
 }
 
@@ -51,8 +54,7 @@ const json* find(const json& object, const char* key) {
 Expected<void> check_schema(const json& root, const std::string& where) {
   const json* schema = find(root, "schema");
   if (schema == nullptr || !schema->is_string()) {
-    return fail(ErrorCode::kParse, "expected a key \"schema\": this is no result of kilter", where,
-                "--cuts takes the output folder of `kilter check`, or its result.json");
+    return fail(ErrorCode::kParse, "expected a key \"schema\": this is no result of kilter", where, kTakes);
   }
   if (*schema == "kilter.result/1") return {};
   return fail(

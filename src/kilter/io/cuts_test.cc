@@ -53,6 +53,13 @@ TEST(ParseCuts, RefusesRangesWithGapsOrOverlaps) {
   expect_error(result_of({submap("a", "1", "2")}), ErrorCode::kParse, "begins at scan 0");
 }
 
+TEST(ParseCuts, SaysWhatItTakesOfWhatIsNoJson) {
+  expect_error("KILTER\x01\x02", ErrorCode::kParse, "result.json: not valid JSON at byte 1\n");
+  expect_error(R"({"schema": )", ErrorCode::kParse, "not valid JSON at byte 12\n");
+  expect_error("", ErrorCode::kParse, "try: --cuts takes the output folder of `kilter check`, or its result.json");
+  expect_error("[1]", ErrorCode::kParse, "try: --cuts takes the output folder of `kilter check`, or its result.json");
+}
+
 TEST(ParseCuts, RefusesFinishedSubmaps) {
   expect_error(result_of({submap("a", "null", "null")}), ErrorCode::kUnsupported, "finished submaps");
 }

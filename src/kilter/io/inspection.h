@@ -12,7 +12,7 @@
 #include "kilter/base/expected.h"
 #include "kilter/io/mission.h"
 #include "kilter/io/oddity.h"
-#include "kilter/submap/cutting.h"
+#include "kilter/submap/build_submaps.h"
 
 namespace kilter {
 
@@ -42,14 +42,18 @@ struct RobotInspection {
   std::size_t first_points = 0;          ///< of the first cloud, once read
   std::size_t first_dropped = 0;         ///< and how many of it were not finite or too far
   std::optional<double> median_range_m;  ///< of the first cloud's points from its origin; absent without points
+  /// How far all but a twentieth of the first cloud lies from its origin, of a scan within the range limits; of an
+  /// octree what it knows to be occupied. Absent without points. [m]
+  std::optional<double> reach_m;
 };
 
 /// What a mission holds, and what is odd about it.
 struct Inspection {
   std::vector<RobotInspection> robots;
   std::size_t likely_submaps = 0;
-  /// Pairs of submaps, neighbours along a path included, whose routes come within one submap_distance of each other;
-  /// absent where there are too many submaps to count them at once.
+  /// Pairs of submaps, neighbours along a path included, whose routes come within reach of each other: what both reach
+  /// together. What stands in between is not known, so that `check` may find fewer. Absent where there are too many
+  /// submaps to count them at once.
   std::optional<std::size_t> likely_pairs;
   std::vector<Oddity> oddities;  ///< robot by robot
 };
@@ -58,6 +62,6 @@ struct Inspection {
 /// each robot, octrees of five million leaves together, and as many clouds as it takes to tell whether neighbours are
 /// the same.
 /// \return  or what reading a first cloud or octree fails with, or check_usable for a robot.
-[[nodiscard]] Expected<Inspection> inspect(const Mission& mission, const CuttingOptions& cutting);
+[[nodiscard]] Expected<Inspection> inspect(const Mission& mission, const SubmapOptions& options);
 
 }  // namespace kilter

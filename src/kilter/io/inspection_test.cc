@@ -29,10 +29,10 @@ RobotLog robot(const std::string& name, double at_x_m = 0.0) {
   return log;
 }
 
-Inspection inspected(std::vector<RobotLog> robots) {
+Inspection inspected(std::vector<RobotLog> robots, const SubmapOptions& options = {}) {
   Mission mission;
   mission.robots = std::move(robots);
-  auto inspection = inspect(mission, {});
+  auto inspection = inspect(mission, options);
   EXPECT_TRUE(inspection);
   return *std::move(inspection);
 }
@@ -118,6 +118,30 @@ TEST(Inspect, EstimatesPointsOfVeryManyClouds) {
 TEST(Inspect, CountsPairsOfSubmapsThatAreNear) {
   EXPECT_EQ(inspected({robot("a"), robot("b", 15.0)}).likely_pairs, 1U);
   EXPECT_EQ(inspected({robot("a"), robot("b", 50.0)}).likely_pairs, 0U);
+}
+
+TEST(Inspect, PairsAreNearAsFarAsCloudsReach) {
+  EXPECT_EQ(inspected({robot("a"), robot("b", 30.0)}).likely_pairs, 1U) << "21 m apart, and 12 m are seen from both";
+  SubmapOptions options;
+  options.occupancy.max_range_m = 10.0;
+  EXPECT_EQ(inspected({robot("a"), robot("b", 30.0)}, options).likely_pairs, 0U);
+  RobotLog finished = robot("a");
+  finished.finished_submaps = true;
+  for (std::size_t i = 0; i < 10; ++i) {
+    finished.T_world_cloud[i] = Pose3::from_translation(20.0 * static_cast<double>(i), 0.0, 0.0);
+  }
+  EXPECT_EQ(inspected({finished}, options).likely_pairs, 9U) << "ranges are those of scans";
+  finished.read_cloud = nullptr;
+  finished.peek_cloud = nullptr;
+  finished.read_cells = [](std::size_t) -> Expected<OccupancyCells> {
+    OccupancyCells known;
+    known.resolution_m = 1.0;
+    for (std::int16_t x = 0; x < 100; ++x) {
+      known.cells.push_back({{x, 0, 0}, 0, x < 25 ? 1.0F : -1.0F});
+    }
+    return known;
+  };
+  EXPECT_EQ(inspected({finished}).likely_pairs, 9U + 8U) << "24 m each, and nothing is said of free space";
 }
 
 TEST(FindOddities, SeesPosesOfACamera) {

@@ -66,6 +66,12 @@ Expected<void> replace_poses(RobotLog& log, const fs::path& folder) {
   return {};
 }
 
+Expected<void> check_poses_folder(const MissionOptions& options) {
+  if (!options.poses_folder || !is_file(*options.poses_folder)) return {};
+  return fail(ErrorCode::kUnsupported, "expected a folder that holds ROBOT/poses.* for each robot, found a file",
+              shown(*options.poses_folder), "name the folder above the robots' folders");
+}
+
 Expected<RobotLog> open_robot(const FoundRobot& robot, const MissionOptions& options, std::vector<std::string>& notes) {
   SourceRequest request{robot.path, robot.name, std::nullopt, robot.topics};
   if (options.poses_folder) request.poses_folder = *options.poses_folder / robot.name;
@@ -98,6 +104,7 @@ Expected<Mission> open_mission(const std::vector<std::string>& sources, const Mi
   auto robots = find_robots(sources);
   if (!robots) return pass_up(robots.error());
   if (auto ok = check_sensor_names(options, *robots); !ok) return pass_up(ok.error());
+  if (auto ok = check_poses_folder(options); !ok) return pass_up(ok.error());
   Mission mission;
   for (const std::string& source : sources) mission.sources.emplace_back().source = source;
   for (const FoundRobot& robot : *robots) {

@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include <fmt/format.h>
+
 #include "kilter/occupancy/map_builder.h"
 
 namespace kilter {
@@ -25,6 +27,16 @@ VoxelMap map_of(const PointCloud& cloud, bool scan, const OccupancyOptions& opti
   return builder.finish();
 }
 
+tl::unexpected<Error> refuse_bare(const CloudPair& clouds, bool is_target, const OccupancyOptions& options) {
+  const std::string& name = is_target ? clouds.target_name : clouds.source_name;
+  const std::size_t points = (is_target ? clouds.target : clouds.source).points_m.size();
+  if (!clouds.scans) return fail(ErrorCode::kInvalidPoints, fmt::format("its {} points leave no voxel", points), name);
+  return fail(ErrorCode::kInvalidPoints,
+              fmt::format("none of its {} points leaves a voxel between min_range ({} m) and max_range ({} m)", points,
+                          options.min_range_m, options.max_range_m),
+              name, "widen the two");
+}
+
 }  // namespace
 
 Expected<PairMeasurement> register_clouds(const CloudPair& clouds, const CheckOptions& options, const RunContext& run) {
@@ -39,9 +51,7 @@ Expected<PairMeasurement> register_clouds(const CloudPair& clouds, const CheckOp
   });
   for (std::size_t i = 0; i < maps.size(); ++i) {
     if (maps[i]->map().voxels().size() > 0) continue;
-    return fail(ErrorCode::kInvalidArgument,
-                std::string("the ") + (i == 0 ? "target" : "source") + " cloud leaves no voxel within the range limits",
-                {}, "see min_range and max_range in kilter config show");
+    return refuse_bare(clouds, i == 0, own.submap.occupancy);
   }
   CandidatePair pair;
   pair.id = {{1}, {0}};

@@ -266,6 +266,19 @@ std::string how_to_mend(const Result& result, const std::string& folder) {
       few, are_cut ? " --cuts " + folder : std::string());
 }
 
+// Robots whose scans leave no surface to any submap.
+std::vector<std::string> robots_without_surface(const Result& result) {
+  std::set<std::string> with_surface;
+  for (const SubmapSummary& submap : result.submaps) {
+    if (submap.occupied > 0) with_surface.insert(submap.robot);
+  }
+  std::vector<std::string> without;
+  for (const RobotSummary& robot : result.robots) {
+    if (!robot.finished_submaps && !with_surface.contains(robot.name)) without.push_back(printable(robot.name, 24));
+  }
+  return without;
+}
+
 std::string next_step(const Result& result, const SummaryOptions& options, bool some_never_meet) {
   const std::string folder = printable(options.output_folder, 60);
   switch (result.system.state) {
@@ -275,6 +288,10 @@ std::string next_step(const Result& result, const SummaryOptions& options, bool 
     case MapState::kInconsistent:
       return how_to_mend(result, folder);
     case MapState::kUndetermined:
+      if (const std::vector<std::string> without = robots_without_surface(result); !without.empty()) {
+        return fmt::format("widen min_range and max_range: they leave no surface to any submap of {}",
+                           fmt::join(without, ", "));
+      }
       if (result.pairs.empty()) return "a map can only be compared with itself where it shows a place twice";
       return some_never_meet ? "send robots that never meet through a place that both see, or check them one by one"
                              : fmt::format("the column `reason` of {}/pairs.csv says what each pair lacks", folder);

@@ -180,6 +180,17 @@ TEST(Summary, NamesRobotsThatNeverMeet) {
   EXPECT_THAT(text, HasSubstr("Next        send robots that never meet"));
 }
 
+TEST(Summary, RangesThatLeaveNothingOfARobotAreTheFirstThingToMend) {
+  Result result = testing::result_of({{"a", 2}, {"b", 2}, {"c", 1}});
+  result.system.state = MapState::kUndetermined;
+  testing::add_measured_pair(result, 1, 0);
+  result.submaps[1].occupied = 0;
+  EXPECT_THAT(summary(result), HasSubstr("Next        send robots that never meet")) << "a/1 has a surface";
+  for (const std::size_t i : {2U, 3U, 4U}) result.submaps[i].occupied = 0;
+  EXPECT_THAT(summary(result),
+              HasSubstr("Next        widen min_range and max_range: they leave no surface to any submap of b, c"));
+}
+
 TEST(Summary, SaysSoWhenThereWasNothingToCompare) {
   const Result result = testing::result_of({{"a", 1}});
   EXPECT_THAT(summary(result), Not(HasSubstr("Pairs")));
