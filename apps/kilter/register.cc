@@ -114,17 +114,18 @@ Expected<void> check_name(const std::string& file) {
               shown(file));
 }
 
-// Of a tree the occupied cells' centres.
-Expected<PointCloud> read_file_of_points(const std::string& file) {
+// Of a tree the occupied cells' centres, and the cells themselves.
+Expected<PointCloud> read_file_of_points(const std::string& file, std::optional<OccupancyCells>& tree) {
   if (auto fit = check_name(file); !fit) return pass_up(fit.error());
   if (!has_octree_name(file)) return read_cloud_file(file);
-  const Expected<OccupancyCells> cells = read_octree_file(file);
+  Expected<OccupancyCells> cells = read_octree_file(file);
   if (!cells) return pass_up(cells.error());
-  return occupied_centres(*cells);
+  tree = *std::move(cells);
+  return occupied_centres(*tree);
 }
 
-Expected<PointCloud> read_points(const std::string& file) {
-  Expected<PointCloud> cloud = read_file_of_points(file);
+Expected<PointCloud> read_points(const std::string& file, std::optional<OccupancyCells>& tree) {
+  Expected<PointCloud> cloud = read_file_of_points(file, tree);
   if (!cloud) return cloud;
   if (auto usable = check_usable(*cloud, shown(file)); !usable) return pass_up(usable.error());
   return cloud;
@@ -132,9 +133,9 @@ Expected<PointCloud> read_points(const std::string& file) {
 
 Expected<CloudPair> read_clouds(const RegisterCommand& command) {
   CloudPair clouds;
-  Expected<PointCloud> target = read_points(command.target);
+  Expected<PointCloud> target = read_points(command.target, clouds.target_cells);
   if (!target) return pass_up(target.error());
-  Expected<PointCloud> source = read_points(command.source);
+  Expected<PointCloud> source = read_points(command.source, clouds.source_cells);
   if (!source) return pass_up(source.error());
   clouds.target = *std::move(target);
   clouds.source = *std::move(source);

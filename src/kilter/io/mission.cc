@@ -19,6 +19,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// Of a distance between two surfaces, each somewhere in its cell: the root of a sixth, in cells.
+constexpr double kSigmaOfCells = 0.408;
+
 // A robot's own entry, else that for all.
 const Pose3* sensor_on_body(const MissionOptions& options, const std::string& robot) {
   for (const std::string& key : {robot, std::string()}) {
@@ -120,11 +123,17 @@ std::vector<std::string> notes_on_cells(const Mission& mission, double resolutio
   std::vector<std::string> notes;
   for (const RobotLog& robot : mission.robots) {
     const double cell_m = robot.cell_size_m.value_or(resolution_m);
-    if (std::abs(cell_m / resolution_m - 1.0) < 1e-6) continue;
+    if (!robot.cell_size_m) continue;
+    const bool as_they_are = std::abs(cell_m / resolution_m - 1.0) < 1e-6;
+    const std::string compared =
+        as_they_are
+            ? ""
+            : fmt::format(", compared at {} m; --set resolution={} takes them as they are", resolution_m, cell_m);
     notes.push_back(
-        fmt::format("robot {}: its octrees have cells of {} m, compared at {} m; --set resolution={} takes "
-                    "them as they are",
-                    robot.name, cell_m, resolution_m, cell_m));
+        fmt::format("robot {}: its octrees have cells of {} m{}; they keep no points, only cells: offsets are good to "
+                    "about {:.2g} m "
+                    "(one sigma), and a much smaller tolerance cannot be shown",
+                    robot.name, cell_m, compared, std::max(cell_m, resolution_m) * kSigmaOfCells));
   }
   return notes;
 }

@@ -319,6 +319,7 @@ TEST(OpenMission, ReadsTreesAsFinishedSubmapsWithTheirCells) {
   EXPECT_EQ(robot.read_cells(1).value().cells.size(), 4U);
   EXPECT_EQ(robot.read_cloud(0).value().points_m.size(), 1U);
   EXPECT_NE(robot.cloud_name(1).find("1.bt"), std::string::npos);
+  EXPECT_NE(notes_on_cells(*mission, 0.1).at(0).find("good to about 0.041 m"), std::string::npos);
   folder.write("a/submaps/0.ot", "");
   expect_error(open(folder), ErrorCode::kTruncated, "0.ot");
 }

@@ -6,7 +6,14 @@
 #include <array>
 #include <cmath>
 
+#include "kilter/matching/pair_grain.h"
+
 namespace kilter {
+
+double conflict_margin_m(const NearestVoxelSearch& source, const NearestVoxelSearch& target) {
+  return std::min({kConflictMarginVoxels * grain_of(source.map(), target.map()).edge_m, source.max_distance_m(),
+                   target.max_distance_m()});
+}
 
 bool is_free_with_neighbours(const VoxelMap& map, const VoxelIndex& voxel) {
   if (map.state(voxel) != CellState::kFree) return false;

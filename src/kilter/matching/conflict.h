@@ -12,6 +12,10 @@ namespace kilter {
 /// Surfaces within this many voxels of each other are the same surface to the free-space test.
 inline constexpr double kConflictMarginVoxels = 2.0;
 
+/// The same in metres; a cell, where the points of a map are the centres of larger ones, tells no more than a voxel.
+/// Never beyond what the searches reach.
+[[nodiscard]] double conflict_margin_m(const NearestVoxelSearch& source, const NearestVoxelSearch& target);
+
 /// One direction of free-space conflict: surfaces of one submap that stand where the other saw through.
 struct ConflictCount {
   std::size_t known = 0;        ///< surface voxels in space the other knows (free with margin, or next to a surface)

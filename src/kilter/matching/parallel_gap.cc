@@ -8,6 +8,8 @@
 #include <tuple>
 #include <vector>
 
+#include "kilter/matching/pair_grain.h"
+
 namespace kilter {
 namespace {
 
@@ -120,7 +122,7 @@ std::vector<Direction> collect(const VoxelMap& source, const VoxelMap& target, c
 }
 
 // Nothing where too few cells show the direction, or they disagree.
-std::optional<ParallelGap> gap_along(const Direction& direction, double resolution_m) {
+std::optional<ParallelGap> gap_along(const Direction& direction, const PairGrain& grain) {
   std::vector<double> values;
   for (const auto& [cell, distances_m] : direction.cells) {
     if (distances_m.size() >= kFewestVoxels) values.push_back(median_of(distances_m));
@@ -128,11 +130,12 @@ std::optional<ParallelGap> gap_along(const Direction& direction, double resoluti
   if (values.size() < kFewestCells) return std::nullopt;
   const double middle_m = median_of(values);
   const double spread_m = spread_about(values, middle_m);
-  if (spread_m > std::max(kMostSpread * std::abs(middle_m), 0.5 * resolution_m)) return std::nullopt;
+  if (spread_m > std::max(kMostSpread * std::abs(middle_m), 0.5 * grain.edge_m)) return std::nullopt;
   ParallelGap gap;
   gap.gap_m = std::abs(middle_m);
-  gap.sigma_m =
-      std::hypot(kMedianToMean * spread_m / std::sqrt(static_cast<double>(values.size())), kFloorVoxels * resolution_m);
+  const double seen_m =
+      std::hypot(kMedianToMean * spread_m / std::sqrt(static_cast<double>(values.size())), kFloorVoxels * grain.edge_m);
+  gap.sigma_m = std::hypot(seen_m, grain.sigma_m());
   gap.p_value = std::erfc(gap.gap_m / gap.sigma_m / std::sqrt(2.0));
   gap.normal = direction.sum.normalized();
   gap.cells = values.size();
@@ -144,8 +147,9 @@ std::optional<ParallelGap> gap_along(const Direction& direction, double resoluti
 std::optional<ParallelGap> measure_parallel_gap(const VoxelMap& source, const VoxelMap& target,
                                                 const Pose3& T_target_source) {
   std::vector<ParallelGap> gaps;
+  const PairGrain grain = grain_of(source, target);
   for (const Direction& direction : collect(source, target, T_target_source)) {
-    if (const auto gap = gap_along(direction, target.resolution_m())) gaps.push_back(*gap);
+    if (const auto gap = gap_along(direction, grain)) gaps.push_back(*gap);
   }
   for (ParallelGap& gap : gaps) gap.p_value = std::min(1.0, gap.p_value * static_cast<double>(gaps.size()));
   const auto worth = [](const ParallelGap& gap) {

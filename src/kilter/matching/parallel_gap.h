@@ -13,8 +13,9 @@ namespace kilter {
 
 /// How far apart two submaps put surfaces that face the same way: the double wall that people look for by eye.
 struct ParallelGap {
-  double gap_m = 0.0;    ///< between the two layers, along their normal
-  double sigma_m = 0.0;  ///< standard deviation of gap_m: the cells' spread, and a twentieth of a voxel
+  double gap_m = 0.0;  ///< between the two layers, along their normal
+  double sigma_m =
+      0.0;  ///< standard deviation of gap_m: the cells' spread, a twentieth of a voxel, and what PairGrain says
   double p_value = 1.0;  ///< two-sided, for "one layer", corrected for the number of directions tried
   Eigen::Vector3d normal = Eigen::Vector3d::Zero();  ///< unit, target axes; the sign is arbitrary
   std::size_t cells = 0;                             ///< cells of a metre that show this direction

@@ -78,7 +78,7 @@ class BlockFiller {
     return true;
   }
 
-  VoxelMap finish();
+  VoxelMap finish(double cell_m);
 
  private:
   struct SurfaceVoxel {
@@ -182,9 +182,10 @@ SurfaceVoxels BlockFiller::surface_in_order() {
   return voxels;
 }
 
-VoxelMap BlockFiller::finish() {
+VoxelMap BlockFiller::finish(double cell_m) {
   sort_blocks();
   SurfaceVoxels voxels = surface_in_order();
+  voxels.cell_m = cell_m;
   bool has_free_space = false;
   std::uint32_t next = 0;
   for (VoxelBlock& block : blocks_) {
@@ -242,12 +243,23 @@ bool on_lattice(const OccupancyCell& cell, double scale) {
   });
 }
 
+// Edge of the smallest occupied cell, in cells of level 0: where a tree knows all surfaces by larger ones, so good they
+// are. Leaves that were pruned, whose eight cells are each known to be occupied, do not spoil the others.
+double finest_edge(const OccupancyCells& known, float threshold) {
+  int level = std::numeric_limits<std::uint8_t>::max();
+  for (const OccupancyCell& cell : known.cells) {
+    if (cell.log_odds >= threshold) level = std::min<int>(level, cell.level);
+  }
+  return level == std::numeric_limits<std::uint8_t>::max() ? 1.0 : std::ldexp(1.0, level);
+}
+
 }  // namespace
 
 Expected<VoxelMap> map_from_cells(const OccupancyCells& known, const OccupancyOptions& options) {
   double scale = known.resolution_m / options.resolution_m;
   if (std::abs(scale - 1.0) < kSameResolution) scale = 1.0;
-  BlockFiller filler(options.resolution_m, log_odds_of(options.occupancy_threshold), known.cells.size());
+  const float threshold = log_odds_of(options.occupancy_threshold);
+  BlockFiller filler(options.resolution_m, threshold, known.cells.size());
   for (const OccupancyCell& cell : known.cells) {
     if (!on_lattice(cell, scale)) {
       return fail(ErrorCode::kUnsupported,
@@ -264,7 +276,8 @@ Expected<VoxelMap> map_from_cells(const OccupancyCells& known, const OccupancyOp
                   {}, "a submap reaches no farther than its sensor saw: cut it smaller, or use a coarser resolution");
     }
   }
-  return with_oriented_normals(filler.finish());
+  const double cell_m = options.resolution_m * std::max(1.0, scale * finest_edge(known, threshold));
+  return with_oriented_normals(filler.finish(cell_m));
 }
 
 Expected<OccupancyCell> cell_of_voxel(const VoxelIndex& voxel, double resolution_m, float log_odds) {

@@ -48,6 +48,16 @@ TEST(OccupancyCells, AreVoxelsAtEqualResolution) {
   EXPECT_TRUE(map.has_free_space());
 }
 
+TEST(OccupancyCells, SayHowFarTheirCentresMayBeOff) {
+  EXPECT_EQ(map_of(0.1, {cell(0, 0, 0, 0, kSurface), cell(2, 0, 0, 1, kSurface)}).cell_m(), 0.1);
+  EXPECT_EQ(map_of(0.05, {cell(0, 0, 0, 0, kSurface)}).cell_m(), 0.1) << "a voxel's centre, whatever is in it";
+  EXPECT_EQ(map_of(0.5, {cell(0, 0, 0, 0, kSurface), cell(1, 0, 0, 0, kFree)}).cell_m(), 0.5);
+  EXPECT_EQ(map_of(0.1, {cell(0, 0, 0, 2, kSurface), cell(4, 0, 0, 0, kFree)}).cell_m(), 0.4) << "cut off at a depth";
+  MapBuilder builder({.resolution_m = 0.1});
+  builder.insert_points(std::vector<Eigen::Vector3d>{{0.05, 0.05, 0.05}});
+  EXPECT_EQ(builder.finish().cell_m(), 0.0);
+}
+
 TEST(OccupancyCells, OfAPrunedLeafFillItsCube) {
   const VoxelMap map = map_of(0.1, {cell(-16, 0, 16, 4, kFree), cell(0, 0, 0, 1, kSurface)});
   EXPECT_EQ(free_voxels(map), 4096U);

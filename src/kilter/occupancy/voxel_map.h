@@ -34,6 +34,9 @@ struct SurfaceVoxels {
   std::vector<float> planarity;              ///< 0 (a blob or no support) .. 1 (a plane)
   std::vector<float> log_odds;               ///< of being occupied
   std::vector<std::uint8_t> seen_at;         ///< mean over the hits of the scan's place in time: 0 first .. 255 last
+  /// Edge of the cells of which centroids are the mere centres, and so up to half of it off their surface, all voxels
+  /// of a wall alike; 0 where they are means of hits. Never less than a voxel, otherwise. [m]
+  double cell_m = 0.0;
 
   [[nodiscard]] std::size_t size() const { return centroids_m.size(); }
 };
@@ -50,6 +53,8 @@ class VoxelMap {
   [[nodiscard]] bool has_free_space() const { return has_free_space_; }
   [[nodiscard]] std::span<const VoxelBlock> blocks() const { return blocks_; }
   [[nodiscard]] const SurfaceVoxels& voxels() const { return voxels_; }
+  /// Edge of the cells that centroids are the centres of; 0 where they are means of hits (SurfaceVoxels::cell_m). [m]
+  [[nodiscard]] double cell_m() const { return voxels_.cell_m; }
   /// Lattice index of every occupied voxel, in voxel order.
   [[nodiscard]] const std::vector<VoxelIndex>& indices() const { return indices_; }
   /// Box around all occupied voxels; empty box if there is none. [m]

@@ -14,6 +14,7 @@ namespace {
 struct Header {
   std::uint64_t checksum = 0;  // of everything behind it
   double resolution_m = 0.0;
+  double cell_m = 0.0;
   std::uint64_t has_free_space = 0;
   std::uint64_t blocks = 0;
   std::uint64_t voxels = 0;
@@ -67,7 +68,7 @@ std::vector<std::byte> bytes_of_map(const VoxelMap& map) {
     if (count > 0) std::memcpy(at, static_cast<const void*>(column), count * sizeof(*column));
     at += count * sizeof(*column);
   });
-  Header header{0, map.resolution_m(), map.has_free_space(), blocks.size(), voxels.size()};
+  Header header{0, map.resolution_m(), map.cell_m(), map.has_free_space(), blocks.size(), voxels.size()};
   std::memcpy(bytes.data(), &header, sizeof(header));
   header.checksum = checksum_of(behind_checksum(bytes));
   std::memcpy(bytes.data(), &header.checksum, sizeof(header.checksum));
@@ -87,6 +88,7 @@ std::optional<VoxelMap> map_of_bytes(std::span<const std::byte> bytes) {
   voxels.planarity.resize(header.voxels);
   voxels.log_odds.resize(header.voxels);
   voxels.seen_at.resize(header.voxels);
+  voxels.cell_m = header.cell_m;
   if (size_of_columns(blocks, voxels) != bytes.size() - sizeof(header)) return std::nullopt;
   const std::byte* at = bytes.data() + sizeof(header);
   visit_columns(blocks, voxels, [&](auto* column, std::size_t count) {

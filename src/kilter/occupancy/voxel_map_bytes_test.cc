@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "kilter/occupancy/map_builder.h"
+#include "kilter/occupancy/occupancy_cells.h"
 
 namespace kilter {
 namespace {
@@ -30,6 +31,13 @@ TEST(VoxelMapBytes, BringTheSameMapBack) {
   EXPECT_EQ(again->bounds_m().min(), map.bounds_m().min());
   EXPECT_EQ(again->bytes(), map.bytes());
   EXPECT_EQ(again->has_free_space(), map.has_free_space());
+}
+
+TEST(VoxelMapBytes, KeepWhatCentroidsAreTheCentresOf) {
+  EXPECT_EQ(map_of_bytes(bytes_of_map(wall_seen_from({0.5, 0.5, 1.0})))->cell_m(), 0.0);
+  const Expected<VoxelMap> map = map_from_cells({0.4, {{{1, 2, 3}, 0, 1.5F}}}, {.resolution_m = 0.1});
+  ASSERT_TRUE(map.has_value());
+  EXPECT_EQ(map_of_bytes(bytes_of_map(*map))->cell_m(), 0.4);
 }
 
 TEST(VoxelMapBytes, HoldEmptyMapsToo) {

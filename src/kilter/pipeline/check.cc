@@ -140,8 +140,7 @@ std::vector<JudgedPair> judge_all(const std::vector<PairMeasurement>& measured, 
     const bool overlaps = pair.overlaps && (by_gamma || !shows_no_common_side(pair, null));
     judged.push_back({pair.id, pair.kind, overlaps, nodes[static_cast<std::size_t>(pair.id.source.value)].robot,
                       nodes[static_cast<std::size_t>(pair.id.target.value)].robot,
-                      by_gamma ? judge_pair_by_gamma(pair, null, options.submap.occupancy.resolution_m)
-                               : judge_pair(pair, null, options.judge),
+                      by_gamma ? judge_pair_by_gamma(pair, null) : judge_pair(pair, null, options.judge),
                       by_gamma || !may_show_different_places(pair, null)});
   }
   return judged;

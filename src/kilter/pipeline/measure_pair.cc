@@ -44,11 +44,15 @@ struct PairSearches {
 struct TwoWaySample {
   DistanceSample forward;
   DistanceSample backward;
+  double voxels_per_cell = 1.0;  // that are one measurement
 
   [[nodiscard]] std::size_t matched() const { return std::min(forward.matched(), backward.matched()); }
   [[nodiscard]] double overlap() const { return std::max(forward.overlap(), backward.overlap()); }
+  [[nodiscard]] bool enough_matched(const MatchingOptions& options) const {
+    return static_cast<double>(matched()) >= options.matched_min * voxels_per_cell;
+  }
   [[nodiscard]] bool passes_gate(const MatchingOptions& options) const {
-    return matched() >= static_cast<std::size_t>(options.matched_min) && overlap() >= options.overlap_min;
+    return enough_matched(options) && overlap() >= options.overlap_min;
   }
 };
 
@@ -56,7 +60,8 @@ TwoWaySample sample_both_ways(const PairSearches& pair, const Pose3& T_target_so
   const NearestVoxelSearch& source = pair.source.search();
   const NearestVoxelSearch& target = pair.target.search();
   return {measure_distances(source, target, T_target_source, options.matching),
-          measure_distances(target, source, T_target_source.inverse(), options.matching)};
+          measure_distances(target, source, T_target_source.inverse(), options.matching),
+          grain_of(source.map(), target.map()).voxels_per_cell};
 }
 
 // Absent when nothing matched.
@@ -69,7 +74,7 @@ std::optional<DistanceHistogram> histogram_of(const TwoWaySample& sample, const 
 // Surfaces within the margin of the free-space test.
 NearestBothWays near_surfaces(const PairSearches& pair, const Pose3& T_target_source) {
   return nearest_both_ways(pair.source_centroids.search(), pair.target_centroids.search(), T_target_source,
-                           kConflictMarginVoxels * pair.target.map().resolution_m());
+                           conflict_margin_m(pair.source_centroids.search(), pair.target_centroids.search()));
 }
 
 PoseEvidence measure_at(const PairSearches& pair, const Pose3& T_target_source, const TwoWaySample& sample,
@@ -112,17 +117,17 @@ std::optional<CommonSurface> common_surface(const PairSearches& pair, const Pose
   common.matched = std::min(same.forward, same.backward);
   common.overlap =
       std::max(share(same.forward, sample.forward.candidates), share(same.backward, sample.backward.candidates));
-  common.any = common.matched >= static_cast<std::size_t>(options.matched_min);
+  common.any = static_cast<double>(common.matched) >= options.matched_min * sample.voxels_per_cell;
   common.enough = common.any && common.overlap >= options.overlap_min;
   return common;
 }
 
 std::string gate_reason(const TwoWaySample& sample, const CandidatePair& pair, const MatchingOptions& options) {
-  std::string reason =
-      sample.matched() < static_cast<std::size_t>(options.matched_min)
-          ? fmt::format("too little overlap: {} voxels match, {} are needed", sample.matched(), options.matched_min)
-          : fmt::format("too little overlap: {:.0f} % of the voxels match, {:.0f} % are needed",
-                        100.0 * sample.overlap(), 100.0 * options.overlap_min);
+  std::string reason = !sample.enough_matched(options)
+                           ? fmt::format("too little overlap: {} voxels match, {:.0f} are needed", sample.matched(),
+                                         options.matched_min * sample.voxels_per_cell)
+                           : fmt::format("too little overlap: {:.0f} % of the voxels match, {:.0f} % are needed",
+                                         100.0 * sample.overlap(), 100.0 * options.overlap_min);
   const double shift_m = pair.predicted_shift_m.norm();
   if (shift_m > 0.0 && pair.predicted_enough) {
     reason += fmt::format("; moved by {:.1f} m, within what odometry may have drifted, it would overlap {:.0f} %",
@@ -188,7 +193,7 @@ PairMeasurement measure_pair(const PlacedPair& maps, const CandidatePair& pair, 
   PairEvidence& evidence = measurement.evidence;
   evidence.id = pair.id;
   evidence.kind = pair.kind;
-  evidence.resolution_m = both.source.map().resolution_m();
+  evidence.grain = grain_of(both.source.map(), both.target.map());
   evidence.T_target_source = maps.target.T_world_submap.inverse() * maps.source.T_world_submap;
   const bool always_listed = pair.kind == PairKind::kSequential || pair.predicted_enough;
   if (!always_listed && !could_pass_gate(both, evidence.T_target_source, options.matching)) {

@@ -14,7 +14,9 @@
 namespace kilter {
 namespace {
 
-VoxelMap map_of(const PointCloud& cloud, bool scan, const OccupancyOptions& options) {
+Expected<VoxelMap> map_of(const PointCloud& cloud, const std::optional<OccupancyCells>& cells, bool scan,
+                          const OccupancyOptions& options) {
+  if (cells) return map_from_cells(*cells, options);
   std::vector<Eigen::Vector3d> points_m;
   points_m.reserve(cloud.points_m.size());
   for (const Eigen::Vector3f& point_m : cloud.points_m) points_m.push_back(point_m.cast<double>());
@@ -44,12 +46,19 @@ Expected<PairMeasurement> register_clouds(const CloudPair& clouds, const CheckOp
   own.matching.overlap_min = 0.0;
   own.registration.always_search = true;  // one pair can afford it, and a start is often a guess
   const std::array<const PointCloud*, 2> sides = {&clouds.target, &clouds.source};
+  const std::array<const std::optional<OccupancyCells>*, 2> cells = {&clouds.target_cells, &clouds.source_cells};
   std::array<std::unique_ptr<const SearchableMap>, 2> maps;
+  std::array<std::optional<Error>, 2> errors;
   parallel_for(sides.size(), {run.threads, nullptr, {}}, [&](std::size_t i) {
-    maps[i] =
-        std::make_unique<const SearchableMap>(map_of(*sides[i], clouds.scans, own.submap.occupancy), search_setup(own));
+    Expected<VoxelMap> map = map_of(*sides[i], *cells[i], clouds.scans, own.submap.occupancy);
+    if (map) {
+      maps[i] = std::make_unique<const SearchableMap>(*std::move(map), search_setup(own));
+    } else {
+      errors[i] = map.error();
+    }
   });
   for (std::size_t i = 0; i < maps.size(); ++i) {
+    if (errors[i]) return pass_up(*errors[i]);
     if (maps[i]->map().voxels().size() > 0) continue;
     return refuse_bare(clouds, i == 0, own.submap.occupancy);
   }

@@ -106,7 +106,8 @@ struct PartMotion {
   double variance_m4 = 0.0;
 };
 
-PartMotion motion_of(std::span<const PlaneResidual> part, double resolution_m, double reach_m) {
+PartMotion motion_of(std::span<const PlaneResidual> part, const PairGrain& grain, double reach_m) {
+  const double resolution_m = grain.edge_m;
   Eigen::Vector3d centre_m = Eigen::Vector3d::Zero();
   for (const PlaneResidual& r : part) centre_m += r.point_m / static_cast<double>(part.size());
   Vector6 motion = Vector6::Zero();
@@ -122,11 +123,12 @@ PartMotion motion_of(std::span<const PlaneResidual> part, double resolution_m, d
   }
   const Residuals before = moved(part, centre_m, Vector6::Zero(), resolution_m);
   const Residuals after = moved(part, centre_m, motion, resolution_m);
-  const double belief = belief_in_motion(before, after, kPlaneSupportVoxels * resolution_m);
+  const double belief = belief_in_motion(before, after, support_m(grain));
   const Residuals& settled = belief > 0.0 ? after : before;
   const NormalEquations equations = build_normal_equations(settled);
-  const Matrix6 covariance = patch_covariance(settled, equations, split_observable(equations, settled), kPatch_m,
-                                              kPlanePatchVoxels * resolution_m);
+  const ObservableSplit split = split_observable(equations, settled);
+  const Matrix6 covariance = patch_covariance(settled, equations, split, kPatch_m, kPlanePatchVoxels * resolution_m) +
+                             cell_covariance(settled, equations, split, grain.variance_m2);
   const Matrix6 M = displacement_form(scatter_about(part, centre_m));
   const Matrix6 MC = M * covariance;
   if (belief == 0.0) motion.setZero();
@@ -138,7 +140,7 @@ PartMotion motion_of(std::span<const PlaneResidual> part, double resolution_m, d
 
 }  // namespace
 
-Bend measure_bend(std::span<const PlaneResidual> residuals, double resolution_m, double reach_m) {
+Bend measure_bend(std::span<const PlaneResidual> residuals, const PairGrain& grain, double reach_m) {
   Bend most;
   double most_m2 = 0.0;
   for (const BendKind kind : {BendKind::kSpace, BendKind::kSource, BendKind::kTarget}) {
@@ -155,7 +157,7 @@ Bend measure_bend(std::span<const PlaneResidual> residuals, double resolution_m,
     double mean_m2 = 0.0;
     for (const std::span<const PlaneResidual> part : parts) {
       const double share = static_cast<double>(part.size()) / total;
-      const PartMotion motion = motion_of(part, resolution_m, reach_m);
+      const PartMotion motion = motion_of(part, grain, reach_m);
       mean_m2 += share * motion.mean_m2;
       bend.variance_m4 += share * share * motion.variance_m4;
     }

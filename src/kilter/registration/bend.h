@@ -4,6 +4,7 @@
 
 #include <span>
 
+#include "kilter/matching/pair_grain.h"
 #include "kilter/registration/normal_equations.h"
 
 namespace kilter {
@@ -33,7 +34,8 @@ struct Bend {
 /// give; the cut that shows most is told.
 ///
 /// \param residuals  all within reach at the aligned pose, with the planarity as weight
+/// \param grain      what its cells hide is no bend
 /// Cost: some forty passes over the residuals; no search for neighbours.
-[[nodiscard]] Bend measure_bend(std::span<const PlaneResidual> residuals, double resolution_m, double reach_m);
+[[nodiscard]] Bend measure_bend(std::span<const PlaneResidual> residuals, const PairGrain& grain, double reach_m);
 
 }  // namespace kilter

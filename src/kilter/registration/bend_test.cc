@@ -14,6 +14,7 @@ namespace kilter {
 namespace {
 
 constexpr double kVoxel_m = 0.1;
+const PairGrain kGrain = {.edge_m = kVoxel_m};
 constexpr double kReach_m = 1.0;
 
 // How far the source lies off along +x and +y at a place, for what it saw at a time (0..255).
@@ -43,7 +44,7 @@ std::vector<PlaneResidual> hall(const Displacement& displacement, double noise_m
 }
 
 Bend bend_of(const Displacement& displacement, double noise_m = 0.01) {
-  return measure_bend(hall(displacement, noise_m), kVoxel_m, kReach_m);
+  return measure_bend(hall(displacement, noise_m), kGrain, kReach_m);
 }
 
 TEST(MeasureBend, AHallThatIsOneShowsNone) {
@@ -72,7 +73,7 @@ TEST(MeasureBend, ClutterOfAllSizesSaysNothing) {
   for (PlaneResidual& r : residuals) {
     if (r.point_m.x() > 12.0) r.residual_m = rng.uniform(-1.0, 1.0);
   }
-  EXPECT_LT(measure_bend(residuals, kVoxel_m, kReach_m).rms_m, 0.02);
+  EXPECT_LT(measure_bend(residuals, kGrain, kReach_m).rms_m, 0.02);
 }
 
 // Beyond the middle the two saw different surfaces: some fit where they are, twice as many happen to fit 0.3 m off.
@@ -83,15 +84,15 @@ TEST(MeasureBend, AMotionThatMakesLittleMoreFitIsHalfBelievedAndDoubted) {
     if (r.point_m.x() < 12.0 || r.direction.y() == 0.0) continue;
     r.residual_m = (rng.uniform(0.0, 1.0) < 2.0 / 3.0 ? 0.3 * r.direction.y() : 0.0) + 0.01 * rng.normal();
   }
-  const Bend bend = measure_bend(residuals, kVoxel_m, kReach_m);
+  const Bend bend = measure_bend(residuals, kGrain, kReach_m);
   const double certain_m = 0.3 * std::sqrt(0.5);
   EXPECT_NEAR(bend.rms_m, certain_m * std::sqrt(0.5), 0.05);
   EXPECT_GT(std::sqrt(bend.variance_m4), 0.5 * bend.rms_m * bend.rms_m);
 }
 
 TEST(MeasureBend, NothingIsNoBend) {
-  EXPECT_EQ(measure_bend({}, kVoxel_m, kReach_m).rms_m, 0.0);
-  EXPECT_EQ(measure_bend({}, kVoxel_m, kReach_m).parts, 0);
+  EXPECT_EQ(measure_bend({}, kGrain, kReach_m).rms_m, 0.0);
+  EXPECT_EQ(measure_bend({}, kGrain, kReach_m).parts, 0);
 }
 
 }  // namespace

@@ -15,6 +15,11 @@ namespace {
 
 // Below kEnoughShare, what residuals that face the motion add. Clutter of all directions adds up to 0.25 %.
 constexpr double kLeastFacing = 0.003;
+// A plane's points lie in one layer of this thickness along the mean normal of what faces alike. [m]
+constexpr double kLayer_m = 1.0;
+// Where a plane crosses a lattice at a slant, what the cells hide changes within this. [m]
+constexpr double kSlant_m = 8.0;
+constexpr double kSlantShare = 0.5;
 // Below this share of the weight a direction is not fixed by anything.
 constexpr double kNothing = 1e-9;
 
@@ -67,15 +72,15 @@ struct Patch {
   double squares_m2 = 0.0;             // sum w r^2
 };
 
-using Patches = std::map<std::array<int, 4>, Patch>;
+using PatchKey = std::array<int, 4>;
+using Patches = std::map<PatchKey, Patch>;
 
-// Residuals by cell and facing.
-Patches patches_of(std::span<const PlaneResidual> residuals, const NormalEquations& equations, double cell_m) {
+template <typename KeyOf>
+Patches patches_by(std::span<const PlaneResidual> residuals, const NormalEquations& equations, const KeyOf& key_of) {
   Patches patches;
   auto last = patches.end();  // residuals come block by block, so the next is often of the same patch
   for (const PlaneResidual& r : residuals) {
-    const Eigen::Vector3i cell = ((r.point_m - equations.centre_m) / cell_m).array().round().matrix().cast<int>();
-    const Patches::key_type key = {cell.z(), cell.y(), cell.x(), facing_of(r.direction)};
+    const PatchKey key = key_of(r);
     if (last == patches.end() || last->first != key) last = patches.try_emplace(key).first;
     Patch& patch = last->second;
     const Vector6 pull = r.weight * jacobian(r, equations);
@@ -85,6 +90,36 @@ Patches patches_of(std::span<const PlaneResidual> residuals, const NormalEquatio
     patch.squares_m2 += r.weight * r.residual_m * r.residual_m;
   }
   return patches;
+}
+
+// Residuals by cell and facing.
+Patches patches_of(std::span<const PlaneResidual> residuals, const NormalEquations& equations, double cell_m) {
+  return patches_by(residuals, equations, [&](const PlaneResidual& r) -> PatchKey {
+    const Eigen::Vector3i cell = ((r.point_m - equations.centre_m) / cell_m).array().round().matrix().cast<int>();
+    return {cell.z(), cell.y(), cell.x(), facing_of(r.direction)};
+  });
+}
+
+// Residuals by plane: facing, and layer along the mean normal of all that face so. `shift` is in layers, since a plane
+// may lie where two of them meet.
+Patches planes_of(std::span<const PlaneResidual> residuals, const NormalEquations& equations, double shift) {
+  std::map<int, Eigen::Vector3d> normals;
+  for (const PlaneResidual& r : residuals) {
+    normals.try_emplace(facing_of(r.direction), Eigen::Vector3d::Zero()).first->second += r.weight * r.direction;
+  }
+  for (auto& [facing, normal] : normals) normal.normalize();
+  return patches_by(residuals, equations, [&](const PlaneResidual& r) -> PatchKey {
+    const int facing = facing_of(r.direction);
+    const double along_m = normals.at(facing).dot(r.point_m - equations.centre_m);
+    return {0, 0, static_cast<int>(std::floor(along_m / kLayer_m + shift)), facing};
+  });
+}
+
+// The gradients that offsets of 1 m make, each patch's on its own.
+Matrix6 pulls_of(const Patches& patches) {
+  Matrix6 pulls = Matrix6::Zero();
+  for (const auto& [key, patch] : patches) pulls += patch.pull * patch.pull.transpose();
+  return pulls;
 }
 
 // What the solution does where gradients have this covariance, as (v, w).
@@ -206,6 +241,15 @@ Matrix6 offset_covariance(std::span<const PlaneResidual> residuals, const Normal
     meat += variance_m2 * patch.pull * patch.pull.transpose();
   }
   return solved_covariance(equations, split, meat);
+}
+
+Matrix6 cell_covariance(std::span<const PlaneResidual> residuals, const NormalEquations& equations,
+                        const ObservableSplit& split, double variance_m2) {
+  if (variance_m2 == 0.0) return Matrix6::Zero();
+  const Matrix6 along =
+      0.5 * (pulls_of(planes_of(residuals, equations, 0.0)) + pulls_of(planes_of(residuals, equations, 0.5)));
+  const Matrix6 slanted = pulls_of(patches_of(residuals, equations, kSlant_m));
+  return solved_covariance(equations, split, variance_m2 * ((1.0 - kSlantShare) * along + kSlantShare * slanted));
 }
 
 Matrix6 blur_covariance(const NormalEquations& equations, const ObservableSplit& split) {

@@ -97,6 +97,13 @@ struct PatchOffsets {
 [[nodiscard]] Matrix6 offset_covariance(std::span<const PlaneResidual> residuals, const NormalEquations& equations,
                                         const ObservableSplit& split, const PatchOffsets& offsets);
 
+/// The same where surfaces lie off by what the cells hide that their points are the centres of: a plane that runs along
+/// the lattice as a whole, one that crosses it at a slant differently from place to place; half of the variance each.
+/// A plane is what faces alike and lies in one layer of a metre. Few planes are no better than one, however many
+/// voxels show them.
+[[nodiscard]] Matrix6 cell_covariance(std::span<const PlaneResidual> residuals, const NormalEquations& equations,
+                                      const ObservableSplit& split, double variance_m2);
+
 /// What blurs the observable directions, as a covariance of (v, w).
 [[nodiscard]] Matrix6 blur_covariance(const NormalEquations& equations, const ObservableSplit& split);
 

@@ -8,6 +8,7 @@
 #include <numeric>
 
 #include "kilter/matching/nearest_of_all.h"
+#include "kilter/matching/pair_grain.h"
 #include "kilter/registration/normal_equations.h"
 #include "kilter/registration/uncertainty.h"
 
@@ -164,6 +165,9 @@ RegistrationResult align_oicp(const NearestVoxelSearch& source, const NearestVox
   result.residual_rms_m = std::sqrt(3.0 * equations.squares_m2 / equations.weight);
   // Points of two lattices settle within half a voxel of each other.
   result.covariance_measured = patch_covariance(residuals, equations, split, kPatch_m, kPatchVoxels * resolution_m);
+  result.covariance_cells =
+      cell_covariance(residuals, equations, split, grain_of(source.map(), target.map()).variance_m2);
+  result.covariance_measured += result.covariance_cells;
   describe_uncertainty(residuals, equations, split, prior, result);
   return result;
 }

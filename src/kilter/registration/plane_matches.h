@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "kilter/matching/nearest_voxel.h"
+#include "kilter/matching/pair_grain.h"
 #include "kilter/registration/normal_equations.h"
 
 namespace kilter {
@@ -18,6 +19,7 @@ struct PlanePair {
   const NearestVoxelSearch& target;
   RepeatedSearch in_source{source, target.map().voxels().size()};
   RepeatedSearch in_target{target, source.map().voxels().size()};
+  PairGrain grain = grain_of(source.map(), target.map());
 
   [[nodiscard]] const VoxelMap& source_map() const { return source.map(); }
   [[nodiscard]] const VoxelMap& target_map() const { return target.map(); }
@@ -27,6 +29,12 @@ inline constexpr std::size_t kAllPoints = 1U << 31;
 
 /// A point this near the plane of an agreeing voxel fits. [voxels]
 inline constexpr double kPlaneSupportVoxels = 0.25;
+
+/// The same in metres, for voxels or for cells: what their cells explain fits, or poses that lay one lattice on the
+/// other would seem the better ones.
+[[nodiscard]] inline double support_m(const PairGrain& grain) {
+  return kPlaneSupportVoxels * grain.edge_m + grain.most_m;
+}
 
 /// Centroids of these voxels of `from` against the planes of `onto` near them, at most `search_m` away, whose normals
 /// agree; appended, in the frame of `onto`. Weights are the planes' planarity.

@@ -68,8 +68,8 @@ struct Descent {
   [[nodiscard]] bool ended() const { return stop == StopReason::kConverged || stop == StopReason::kMaxIterations; }
 };
 
-double final_search_m(const VoxelMap& target, const RegistrationOptions& options) {
-  return std::min(kFinalSearchVoxels * target.resolution_m(), options.search_distance_m);
+double final_search_m(const PairGrain& grain, const RegistrationOptions& options) {
+  return std::min(kFinalSearchVoxels * grain.edge_m, options.search_distance_m);
 }
 
 // Motions v0 + w x p of the target frame along which a search does not move.
@@ -83,10 +83,11 @@ Descent descend(PlanePair& pair, const Pose3& start, const RegistrationOptions& 
   const double per_residual =
       std::max(1.0, static_cast<double>(pair.source_map().voxels().size()) / options.max_points);
   const auto enough = [&](std::size_t count) {
-    return 0.5 * static_cast<double>(count) * per_residual >= options.min_matches && count >= kFewestResiduals;
+    return 0.5 * static_cast<double>(count) * per_residual >= options.min_matches * pair.grain.voxels_per_cell &&
+           count >= kFewestResiduals;
   };
-  const double last_search_m = final_search_m(pair.target_map(), options);
-  const double final_kernel_m = kFinalKernelVoxels * pair.target_map().resolution_m();
+  const double last_search_m = final_search_m(pair.grain, options);
+  const double final_kernel_m = kFinalKernelVoxels * pair.grain.edge_m;
   Descent descent;
   descent.T = start;
   double search_m = options.search_distance_m;
@@ -132,12 +133,12 @@ struct Look {
 
 Look look_at(PlanePair& pair, const Pose3& T_target_source, const RegistrationOptions& options,
              const HeldMotions& held) {
-  const double resolution_m = pair.target_map().resolution_m();
+  const double edge_m = pair.grain.edge_m;
   Look look;
-  look.residuals = match_planes(pair, T_target_source, final_search_m(pair.target_map(), options), kAllPoints);
-  look.supporting = count_below(look.residuals, kPlaneSupportVoxels * resolution_m);
+  look.residuals = match_planes(pair, T_target_source, final_search_m(pair.grain, options), kAllPoints);
+  look.supporting = count_below(look.residuals, support_m(pair.grain));
   if (look.residuals.empty()) return look;
-  apply_kernel(look.residuals, kFinalKernelVoxels * resolution_m);
+  apply_kernel(look.residuals, kFinalKernelVoxels * edge_m);
   look.equations = build_normal_equations(look.residuals);
   look.split = split_beside(look.equations, held);
   return look;
@@ -182,7 +183,7 @@ std::size_t doubt_weak_directions(PlanePair& pair, const Pose3& T_target_source,
     const Vector6 motion = motion_of_frame(look.equations, look.split.directions.col(k));
     const SlideContrast contrast = slide_contrast(pair, T_target_source, motion);
     if (contrast.fixed()) {
-      look.split.blur_m[k] = contrast.blur_voxels() * pair.target_map().resolution_m();
+      look.split.blur_m[k] = contrast.blur_voxels() * pair.grain.edge_m;
     } else {
       held.push_back(motion);
     }
@@ -194,9 +195,9 @@ std::size_t doubt_weak_directions(PlanePair& pair, const Pose3& T_target_source,
 // along a direction that nothing fixes is where the search happened to stop: coarse levels and the wide search slide
 // along corridors to wherever most overlaps. Such a direction is taken back to the start, and the others settle again.
 Look settle(PlanePair& pair, const Pose3& start, const RegistrationOptions& options, Descent& descent) {
-  const double resolution_m = pair.target_map().resolution_m();
+  const double edge_m = pair.grain.edge_m;
   RegistrationOptions close = options;
-  close.search_distance_m = std::min(options.search_distance_m, kCloseSearchVoxels * resolution_m);
+  close.search_distance_m = std::min(options.search_distance_m, kCloseSearchVoxels * edge_m);
   HeldMotions held;
   while (true) {
     Look look = polish(pair, options, held, descent.T);
@@ -204,7 +205,7 @@ Look settle(PlanePair& pair, const Pose3& start, const RegistrationOptions& opti
     look.split = split_beside(look.equations, held);
     const Vector6 slid = free_motion(start, descent.T, look);
     descent.T = motion_about(look.equations.centre_m, -slid) * descent.T;
-    if ((look.equations.unscale.inverse() * slid).norm() < kSlidVoxels * resolution_m) continue;
+    if ((look.equations.unscale.inverse() * slid).norm() < kSlidVoxels * edge_m) continue;
     const int before = descent.iterations;
     descent = descend(pair, descent.T, close, kWideRefinement_m, held);
     descent.iterations += before;
@@ -212,18 +213,23 @@ Look settle(PlanePair& pair, const Pose3& start, const RegistrationOptions& opti
   }
 }
 
+// All voxels of a cell are one measurement.
+std::size_t in_cells(std::size_t voxels, const PairGrain& grain) {
+  return static_cast<std::size_t>(std::lround(static_cast<double>(voxels) / grain.voxels_per_cell));
+}
+
 // Voxels that fit where the start has them, and where the end has them, of those that face the way between: floors fit
 // at every shift along them, walls at every height.
 void count_support(PlanePair& pair, const Pose3& start, const Pose3& end, double search_m,
                    std::span<const PlaneResidual> at_end, RegistrationResult& result) {
-  const double near_m = kPlaneSupportVoxels * pair.target_map().resolution_m();
+  const double near_m = support_m(pair.grain);
   const Eigen::Isometry3d moved = (end * start.inverse()).isometry();
   const Eigen::Isometry3d back = moved.inverse();
   const std::vector<PlaneResidual> at_start = match_planes(pair, start, search_m, kAllPoints);
   const auto from_start = [&](const Eigen::Vector3d& point_m) -> Eigen::Vector3d { return moved * point_m - point_m; };
   const auto to_end = [&](const Eigen::Vector3d& point_m) -> Eigen::Vector3d { return point_m - back * point_m; };
-  result.support_start = count_facing(at_start, near_m, from_start);
-  result.support_end = count_facing(at_end, near_m, to_end);
+  result.support_start = in_cells(count_facing(at_start, near_m, from_start), pair.grain);
+  result.support_end = in_cells(count_facing(at_end, near_m, to_end), pair.grain);
 }
 
 // Judges where a descent ended on all voxels.
@@ -236,18 +242,20 @@ RegistrationResult finish(PlanePair& pair, const Pose3& start, Descent descent, 
   result.iterations = descent.iterations;
   result.stop = descent.stop;
   if (!descent.ended()) return result;
-  const double resolution_m = pair.target_map().resolution_m();
   result.matches = look.residuals.size() / 2;
-  if (look.residuals.empty() || look.supporting < 2 * static_cast<std::size_t>(options.min_matches)) {
+  if (look.residuals.empty() ||
+      in_cells(look.supporting, pair.grain) < 2 * static_cast<std::size_t>(options.min_matches)) {
     result.stop = StopReason::kTooFewMatches;
     return result;
   }
-  count_support(pair, start, descent.T, final_search_m(pair.target_map(), options), look.residuals, result);
-  result.bend = measure_bend(match_planes(pair, descent.T, options.search_distance_m, kBendPoints), resolution_m,
+  count_support(pair, start, descent.T, final_search_m(pair.grain, options), look.residuals, result);
+  result.bend = measure_bend(match_planes(pair, descent.T, options.search_distance_m, kBendPoints), pair.grain,
                              options.search_distance_m);
   result.T_target_source = descent.T;
   result.residual_rms_m = std::sqrt(look.equations.squares_m2 / look.equations.weight);
-  result.covariance_measured = plane_covariance(look.residuals, look.equations, look.split, result.bend);
+  result.covariance_cells = cell_covariance(look.residuals, look.equations, look.split, pair.grain.variance_m2);
+  result.covariance_measured =
+      plane_covariance(look.residuals, look.equations, look.split, result.bend) + result.covariance_cells;
   describe_uncertainty(look.residuals, look.equations, look.split, prior, result);
   return result;
 }
@@ -271,14 +279,13 @@ bool merely_overlaps_more(const Optimum& other, const Optimum& home) {
 }
 
 Optimum judged(PlanePair& pair, const Descent& descent, const RegistrationOptions& options) {
-  const double resolution_m = pair.target_map().resolution_m();
   const std::size_t larger = std::max(pair.source_map().voxels().size(), pair.target_map().voxels().size());
   const std::size_t stride = std::max<std::size_t>(1, larger / kJudgedVoxels);
   const std::size_t support =
-      count_below(match_every(pair, descent.T, final_search_m(pair.target_map(), options), stride),
-                  kPlaneSupportVoxels * resolution_m);
-  const ConflictSample conflict = sample_conflict(pair.in_source.cursor(), pair.in_target.cursor(), descent.T,
-                                                  kConflictMarginVoxels * resolution_m, stride);
+      count_below(match_every(pair, descent.T, final_search_m(pair.grain, options), stride), support_m(pair.grain));
+  const ConflictSample conflict =
+      sample_conflict(pair.in_source.cursor(), pair.in_target.cursor(), descent.T,
+                      conflict_margin_m(pair.in_source.search(), pair.in_target.search()), stride);
   const std::size_t conflicting = conflict.source_in_target.conflicting + conflict.target_in_source.conflicting;
   const double worth = static_cast<double>(support) - kConflictCost * static_cast<double>(conflicting);
   const auto known = static_cast<double>(std::max<std::size_t>(conflict.known(), 1));
@@ -313,7 +320,7 @@ RegistrationResult align_point_to_plane(const NearestVoxelSearch& source, const 
 RegistrationResult align_widely(const NearestVoxelSearch& source, const NearestVoxelSearch& target, const Pose3& start,
                                 const RegistrationOptions& options, const RegistrationPrior& prior) {
   PlanePair pair{source, target};
-  const double resolution_m = target.map().resolution_m();
+  const double edge_m = pair.grain.edge_m;
   const double reach_m = std::max(options.wide_translation_m, prior.translation_m);
   const CoarseSearchRange range{reach_m, std::min(reach_m, kMostRise_m), options.max_rotation_rad};
   std::vector<Pose3> starts = {start};
@@ -338,7 +345,7 @@ RegistrationResult align_widely(const NearestVoxelSearch& source, const NearestV
       continue;
     }
     const bool known = std::any_of(optima.begin(), optima.end(), [&](const Optimum& other) {
-      return apart_m(source.map(), other.descent.T, descent.T) < kSameVoxels * resolution_m;
+      return apart_m(source.map(), other.descent.T, descent.T) < kSameVoxels * edge_m;
     });
     if (known) continue;
     Optimum found = judged(pair, descent, options);
@@ -359,11 +366,11 @@ RegistrationResult align_widely(const NearestVoxelSearch& source, const NearestV
                                      [](const Optimum& a, const Optimum& b) { return a.worth < b.worth; });
   const Optimum* runner_up = nullptr;
   for (const Optimum& other : optima) {
-    if (apart_m(source.map(), other.descent.T, best->descent.T) < kDistinctVoxels * resolution_m) continue;
+    if (apart_m(source.map(), other.descent.T, best->descent.T) < kDistinctVoxels * edge_m) continue;
     if (runner_up == nullptr || other.worth > runner_up->worth) runner_up = &other;
   }
   RegistrationOptions close = options;
-  close.search_distance_m = std::min(options.search_distance_m, kCloseSearchVoxels * resolution_m);
+  close.search_distance_m = std::min(options.search_distance_m, kCloseSearchVoxels * edge_m);
   Descent descent = descend(pair, best->descent.T, close, kWideRefinement_m);
   if (descent.stop != StopReason::kConverged) descent = best->descent;
   RegistrationResult result = finish(pair, start, descent, options, prior);

@@ -75,6 +75,8 @@ struct RegistrationResult {
   /// that was measured, zero along unobservable directions.
   Matrix6 covariance_centre = Matrix6::Zero();
   Matrix6 covariance_measured = Matrix6::Zero();
+  /// The part of the measured one that comes from cells, where points are their centres (PairGrain); else zero.
+  Matrix6 covariance_cells = Matrix6::Zero();
   /// Unit twists about `centre_target_m` along the target's axes that the scene does not fix.
   std::vector<Vector6> unobservable;
   Bend bend;  ///< what still lies apart at the end, of places at most search_distance_m from each other

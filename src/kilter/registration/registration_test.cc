@@ -6,6 +6,7 @@
 
 #include <tuple>
 
+#include "kilter/occupancy/occupancy_cells.h"
 #include "kilter/registration/point_to_plane.h"
 #include "testing/scenes.h"
 
@@ -130,6 +131,30 @@ TEST(AlignSubmaps, CovarianceCoversTheErrorButIsNotVast) {
   const double nees = error.dot(result.covariance.ldlt().solve(error)) / 6.0;
   EXPECT_LT(nees, 6.0);
   EXPECT_LT(result.covariance.diagonal().head<3>().cwiseSqrt().maxCoeff(), 0.05);
+}
+
+// The same maps as trees keep them, with the centres of cells for points.
+SubmapPair as_cells(SubmapPair pair, double resolution_m) {
+  for (Submap* submap : {&pair.source, &pair.target}) {
+    auto map = map_from_cells(*cells_from_map(submap->map, -0.4F), {.resolution_m = resolution_m});
+    submap->map = *std::move(map);
+  }
+  return pair;
+}
+
+TEST(AlignSubmaps, KnowsWhatTheCellsHideThatPointsAreTheCentresOf) {
+  const SubmapPair pair = room_pair();
+  const RegistrationResult of_hits = run(pair, pair.T_target_source, RegistrationMethod::kPointToPlane);
+  EXPECT_TRUE(of_hits.covariance_cells.isZero());
+  const RegistrationResult of_cells = run(as_cells(pair, 0.1), pair.T_target_source, RegistrationMethod::kPointToPlane);
+  ASSERT_TRUE(of_cells.converged()) << to_string(of_cells.stop);
+  const Vector6 error = (of_cells.T_target_source.inverse() * pair.T_target_source).log();
+  EXPECT_LT(error.dot(of_cells.covariance.ldlt().solve(error)) / 6.0, 3.0);
+  // Floor and ceiling alone fix the height: at best the mean of two.
+  const double alone_m = 0.1 / std::sqrt(6.0);
+  EXPECT_GT(std::sqrt(of_cells.covariance_cells(2, 2)), 0.3 * alone_m);
+  EXPECT_LT(std::sqrt(of_cells.covariance_cells(2, 2)), 1.01 * alone_m);
+  EXPECT_GE(of_cells.covariance(2, 2), of_hits.covariance(2, 2));
 }
 
 TEST(AlignSubmaps, OicpComesNearFromCloseStarts) {

@@ -49,13 +49,12 @@ struct Fit {
   double met = 0.0;  // points with a plane near them that faces the same way
 };
 
-Fit fit_of(const FacingPoints& points, RepeatedSearch& in_onto, const Pose3& T_onto_points) {
+Fit fit_of(const FacingPoints& points, RepeatedSearch& in_onto, const Pose3& T_onto_points, const PairGrain& grain) {
   const NearestVoxelSearch& onto = in_onto.search();
-  const double resolution_m = onto.map().resolution_m();
-  const double search_m = std::min(kSearchVoxels * resolution_m, onto.max_distance_m());
+  const double search_m = std::min(kSearchVoxels * grain.edge_m, onto.max_distance_m());
   std::vector<PlaneResidual> met;
   match_voxels(points.map, points.voxels, in_onto, T_onto_points, search_m, met);
-  const auto fits = [&](const PlaneResidual& r) { return std::abs(r.residual_m) < kPlaneSupportVoxels * resolution_m; };
+  const auto fits = [&](const PlaneResidual& r) { return std::abs(r.residual_m) < support_m(grain); };
   return {static_cast<double>(std::count_if(met.begin(), met.end(), fits)), static_cast<double>(met.size())};
 }
 
@@ -68,8 +67,8 @@ SlideContrast slide_contrast(PlanePair& pair, const Pose3& T_target_source, cons
     Vector6 turn = Vector6::Zero();
     turn.tail<3>() = slide_m * motion.tail<3>();
     const Pose3 T = Pose3(Pose3::exp(turn).rotation(), slide_m * motion.head<3>()) * T_target_source;
-    const Fit forward = fit_of(of_source, pair.in_target, T);
-    const Fit backward = fit_of(of_target, pair.in_source, T.inverse());
+    const Fit forward = fit_of(of_source, pair.in_target, T, pair.grain);
+    const Fit backward = fit_of(of_target, pair.in_source, T.inverse(), pair.grain);
     return Fit{forward.fitting + backward.fitting, forward.met + backward.met};
   };
   const Fit here = fitting_after(0.0);
@@ -77,7 +76,7 @@ SlideContrast slide_contrast(PlanePair& pair, const Pose3& T_target_source, cons
   if (here.fitting < kFewestFitting) return found;
   double elsewhere = 1.0;
   for (const double slide : kSlides) {
-    for (const double slide_m : {slide * pair.target_map().resolution_m(), -slide * pair.target_map().resolution_m()}) {
+    for (const double slide_m : {slide * pair.grain.edge_m, -slide * pair.grain.edge_m}) {
       const Fit slid = fitting_after(slide_m);
       elsewhere = std::max(elsewhere, slid.fitting * std::clamp(here.met / std::max(slid.met, 1.0), 1.0, kMostScaled));
     }

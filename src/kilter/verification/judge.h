@@ -11,6 +11,7 @@
 #include "kilter/consistency/distribution.h"
 #include "kilter/consistency/gamma.h"
 #include "kilter/matching/conflict.h"
+#include "kilter/matching/pair_grain.h"
 #include "kilter/matching/parallel_gap.h"
 #include "kilter/registration/registration.h"
 #include "kilter/verification/agreement.h"
@@ -62,7 +63,7 @@ struct PairEvidence {
   bool overlaps = false;  ///< passes the gates on matched count and fraction at the map's pose
   std::string gate;       ///< what fails, if it does not overlap
   Pose3 T_target_source;  ///< the map's
-  double resolution_m = 0.1;
+  PairGrain grain;        ///< how finely their surfaces can be told apart
   PoseEvidence map;
   std::optional<CommonSurface> common;             ///< absent where points alone leave open which way surfaces face
   std::optional<ParallelGap> gap;                  ///< at the map's pose
@@ -100,8 +101,9 @@ struct MapNull {
 
 /// The paper's test with the thresholds that it leaves out (step F11): a pair is out of line if log10 Gamma lies three
 /// spreads below the map's median; verified inconsistent if Theta then is at least twice Gamma and registration moved
-/// it by more than a voxel; rejected (kUnverified) if Theta is not; consistent if it is in line. No p-value.
-[[nodiscard]] PairVerdict judge_pair_by_gamma(const PairEvidence& pair, const MapNull& null, double resolution_m);
+/// it by more than a voxel, or a cell if that is larger; rejected (kUnverified) if Theta is not; consistent if it is in
+/// line. No p-value.
+[[nodiscard]] PairVerdict judge_pair_by_gamma(const PairEvidence& pair, const MapNull& null);
 
 /// A pair as judge_map needs it.
 struct JudgedPair {

@@ -84,17 +84,41 @@ void disbelieve(const PairEvidence& pair, const JudgeOptions& options, PairVerdi
   set_posterior(*log_ratio, options, verdict);
 }
 
+// What cells hide makes a measured offset larger than the true one, by as much in its square as it may be larger yet:
+// what they alone would show says nothing against the map.
+OffsetEstimate::SquareLaw less_cells(const OffsetEstimate::SquareLaw& law, const OffsetEstimate& offset) {
+  constexpr double kLeastShare = 0.05;  // keeps the law a law where cells explain all of it
+  if (offset.cells_sigma_m == 0.0) return law;
+  const double cells_m2 = offset.cells_sigma_m * offset.cells_sigma_m;
+  return {std::max(law.mean_m2 - 2.0 * cells_m2, kLeastShare * law.mean_m2), law.variance_m4};
+}
+
+double less_cells_m(double apart_m, const OffsetEstimate& offset) {
+  if (offset.cells_sigma_m == 0.0) return apart_m;
+  return std::sqrt(std::max(apart_m * apart_m - offset.cells_sigma_m * offset.cells_sigma_m, 0.0));
+}
+
+// Of two ratios the one that says less; nothing where they contradict each other.
+double weaker(double a, double b) {
+  if ((a > 0.0) != (b > 0.0)) return 0.0;
+  return std::abs(a) < std::abs(b) ? a : b;
+}
+
 void note_offset(const OffsetEstimate& offset, const Bend& bend, const JudgeOptions& options, PairVerdict& verdict) {
   verdict.offset_m = offset.offset_m;
   verdict.offset_rad = offset.offset_rad;
   verdict.offset_vector_m = offset.vector_m;
-  verdict.offset_interval_m = {std::min(offset_quantile_m(offset.measured, 0.975), offset.offset_m),
+  verdict.offset_interval_m = {std::min(offset_quantile_m(less_cells(offset.measured, offset), 0.975), offset.offset_m),
                                std::max(offset_quantile_m(offset.measured, 0.025), offset.offset_m)};
   verdict.minimum_detectable_m = offset.minimum_detectable_m;
   const auto log_ratio_of = [&](const OffsetEstimate::SquareLaw& measured,
                                 const OffsetEstimate::SquareLaw& with_prior) {
-    const LogTails tails = log_tails_with_hidden(measured, with_prior, options.tolerance_m);
-    return std::clamp(tails.above - tails.below, -kMaxLogOdds, kMaxLogOdds);
+    const auto ratio_of = [&](const OffsetEstimate::SquareLaw& seen, const OffsetEstimate::SquareLaw& all) {
+      const LogTails tails = log_tails_with_hidden(seen, all, options.tolerance_m);
+      return std::clamp(tails.above - tails.below, -kMaxLogOdds, kMaxLogOdds);
+    };
+    return weaker(ratio_of(measured, with_prior),
+                  ratio_of(less_cells(measured, offset), less_cells(with_prior, offset)));
   };
   const OffsetEstimate::SquareLaw measured = disagreement_law(offset.measured, bend);
   const OffsetEstimate::SquareLaw with_prior = disagreement_law(offset.with_prior, bend);
@@ -111,7 +135,7 @@ void note_offset(const OffsetEstimate& offset, const Bend& bend, const JudgeOpti
   const double along_m4 = std::pow(offset.offset_m * offset.sigma_m, 2) + 0.25 * bend.variance_m4 +
                           std::pow(kPlacesScatter * apart_m * apart_m, 2);
   const double sigma_m = apart_m > 0.0 ? std::sqrt(along_m4) / apart_m : offset.sigma_m;
-  verdict.p_value = std::exp(log_normal_tail((apart_m - options.tolerance_m) / sigma_m));
+  verdict.p_value = std::exp(log_normal_tail((less_cells_m(apart_m, offset) - options.tolerance_m) / sigma_m));
 }
 
 std::string_view bent_one(const Bend& bend) {
@@ -127,6 +151,19 @@ std::string_view bent_one(const Bend& bend) {
 }
 
 std::string in_cm(double metres) { return fmt::format("{:.1f} cm", 100.0 * metres); }
+
+// What cells leave open, for the end of a reason; empty where points are means of hits.
+std::string left_open_by_cells(const PairEvidence& pair, const OffsetEstimate& offset) {
+  if (pair.grain.cell_m == 0.0) return {};
+  return fmt::format("its points are the centres of cells of {:.4g} m, which leave {} open", pair.grain.cell_m,
+                     in_cm(offset.cells_sigma_m));
+}
+
+// Whether most of what is not known of the offset is what cells hide.
+bool cells_hide_most(const OffsetEstimate& offset) {
+  const double uncertain_m2 = offset.measured.mean_m2 - offset.offset_m * offset.offset_m;
+  return offset.cells_sigma_m * offset.cells_sigma_m > 0.5 * uncertain_m2;
+}
 
 bool contradicted(const PairEvidence& pair) { return pair.registration->searched && pair.agreement.contradicted(); }
 
@@ -220,6 +257,7 @@ PairVerdict judge_displacement(const PairEvidence& pair, const MapNull& null, co
         "{}, {} apart with what no rigid motion mends: not told from the tolerance of {} over "
         "the whole map",
         measured, in_cm(*verdict.disagreement_m), in_cm(options.tolerance_m));
+    if (const std::string cells = left_open_by_cells(pair, offset); !cells.empty()) verdict.reason += "; " + cells;
   } else if (log_tails_with_hidden(disagreement_law(offset.measured, bend), disagreement_law(offset.with_prior, bend),
                                    options.tolerance_m)
                  .above <= std::log(kConsistentTail)) {
@@ -229,6 +267,9 @@ PairVerdict judge_displacement(const PairEvidence& pair, const MapNull& null, co
              std::log(kConsistentTail)) {
     verdict.reason = fmt::format("{}, but a direction that nothing in the scene fixes could hide {}", measured,
                                  in_cm(2.0 * offset.hidden_sigma_m));
+  } else if (cells_hide_most(offset)) {
+    verdict.reason = fmt::format("{}: {}, too much for the tolerance of {}", measured, left_open_by_cells(pair, offset),
+                                 in_cm(options.tolerance_m));
   } else {
     verdict.reason =
         fmt::format("{}: too uncertain to be told from the tolerance of {}", measured, in_cm(options.tolerance_m));
@@ -274,7 +315,7 @@ PairVerdict judge_pair(const PairEvidence& pair, const MapNull& null, const Judg
   return verdict;
 }
 
-PairVerdict judge_pair_by_gamma(const PairEvidence& pair, const MapNull& null, double resolution_m) {
+PairVerdict judge_pair_by_gamma(const PairEvidence& pair, const MapNull& null) {
   PairVerdict verdict;
   note_measurements(pair, null, verdict);
   if (!pair.overlaps || !pair.map.score) {
@@ -297,7 +338,7 @@ PairVerdict judge_pair_by_gamma(const PairEvidence& pair, const MapNull& null, d
     verdict.verdict = Verdict::kConsistent;
     verdict.reason = gamma ? fmt::format("log10 Gamma {:.2f} is in line with this map (from {:.2f})", *gamma, limit)
                            : std::string("Gamma is infinite: all distances are equal or zero");
-  } else if (has_theta && theta - *gamma >= kThetaSlack && *verdict.offset_m > resolution_m) {
+  } else if (has_theta && theta - *gamma >= kThetaSlack && *verdict.offset_m > pair.grain.edge_m) {
     verdict.verdict = Verdict::kInconsistent;
     verdict.reason = fmt::format("log10 Gamma {:.2f} is low for this map (from {:.2f}), registered {:.2f}: verified",
                                  *gamma, limit, theta);

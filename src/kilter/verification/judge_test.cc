@@ -36,6 +36,26 @@ TEST(JudgePair, OffsetAgainstToleranceDecides) {
   EXPECT_EQ(verdict_of(pair_moved(0.05, 0.10)), Verdict::kUnverified);
 }
 
+// Moved by so much, where cells of half a metre leave a tenth of one open along each axis.
+PairEvidence cells_moved(double offset_m) {
+  PairEvidence pair = pair_moved(offset_m, 0.1);
+  pair.grain = {.edge_m = 0.5, .cell_m = 0.5, .variance_m2 = 0.25 / 6.0, .most_m = 0.5, .voxels_per_cell = 125.0};
+  pair.registration->covariance_cells = pair.registration->covariance_measured;
+  return pair;
+}
+
+TEST(JudgePair, WhatCellsHideIsNeitherAFaultNorRuledOut) {
+  EXPECT_EQ(verdict_of(cells_moved(0.2)), Verdict::kUnverified);
+  EXPECT_EQ(verdict_of(cells_moved(1.0)), Verdict::kInconsistent);
+  EXPECT_EQ(verdict_of(cells_moved(0.1), {.tolerance_m = 0.5}), Verdict::kConsistent);
+  const PairVerdict hidden = judge_pair(cells_moved(0.05), kNull, {});
+  EXPECT_EQ(hidden.verdict, Verdict::kUnverified);
+  EXPECT_NE(hidden.reason.find("centres of cells of 0.5 m, which leave 17.3 cm open, too much for the tolerance"),
+            std::string::npos)
+      << hidden.reason;
+  EXPECT_NE(judge_pair(cells_moved(0.2), kNull, {}).reason.find("cells of 0.5 m"), std::string::npos);
+}
+
 TEST(JudgePair, OffsetIsReportedWhateverTheVerdict) {
   const PairVerdict verdict = judge_pair(pair_moved(0.05, 0.01), {}, {});
   EXPECT_NEAR(*verdict.offset_m, 0.05, 1e-9);
@@ -329,7 +349,7 @@ TEST(JudgePairByGamma, FollowsThePapersTestAndVerification) {
     PairEvidence pair = pair_moved(offset_m, 0.01);
     pair.map.score.emplace().log10_gamma = gamma;
     pair.registered->score.emplace().log10_gamma = theta;
-    return judge_pair_by_gamma(pair, kNull, 0.1).verdict;
+    return judge_pair_by_gamma(pair, kNull).verdict;
   };
   EXPECT_EQ(verdict_at(2.0, 2.1, 0.02), Verdict::kConsistent);
   EXPECT_EQ(verdict_at(1.2, 2.0, 0.5), Verdict::kInconsistent);
@@ -337,7 +357,7 @@ TEST(JudgePairByGamma, FollowsThePapersTestAndVerification) {
   EXPECT_EQ(verdict_at(1.2, 2.0, 0.05), Verdict::kUnverified);
   PairEvidence apart = pair_moved(0.0, 0.01);
   apart.overlaps = false;
-  EXPECT_EQ(judge_pair_by_gamma(apart, kNull, 0.1).verdict, Verdict::kUnverified);
+  EXPECT_EQ(judge_pair_by_gamma(apart, kNull).verdict, Verdict::kUnverified);
 }
 
 TEST(EstimateNull, SurvivesAFifthOfBadSequentialPairs) {

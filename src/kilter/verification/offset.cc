@@ -67,6 +67,7 @@ OffsetEstimate estimate_offset(const RegistrationResult& registration, const Pos
   const double along_m4 = x.dot(M * registration.covariance_measured * M * x);
   estimate.sigma_m = estimate.offset_m > 0.0 ? std::sqrt(std::max(along_m4, 0.0)) / estimate.offset_m : largest_m;
   estimate.minimum_detectable_m = kDetection * largest_m;
+  estimate.cells_sigma_m = std::sqrt(std::max((M * registration.covariance_cells).trace(), 0.0));
   estimate.hidden_sigma_m =
       std::sqrt(std::max((M * (registration.covariance_centre - registration.covariance_measured)).trace(), 0.0));
   return estimate;

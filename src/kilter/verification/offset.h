@@ -28,6 +28,7 @@ struct OffsetEstimate {
   SquareLaw with_prior;
   double sigma_m = 0.0;  ///< standard deviation of the offset along the estimate (largest one at zero). [m]
   double minimum_detectable_m = 0.0;  ///< 95 % sure to be told from zero at 5 %, in the worst observable direction
+  double cells_sigma_m = 0.0;         ///< the part of its uncertainty that comes from cells, RMS. [m]
   double hidden_sigma_m = 0.0;        ///< RMS displacement that unobservable directions could hide, one sigma. [m]
 };
 

@@ -32,7 +32,7 @@ constexpr double kConflictMayGrow = 1.5;
 // Of what both saw, this much may have moved in between.
 constexpr double kMovingShare = 0.2;
 constexpr double kConflictSampling = 0.02;  // standard deviation of such a share
-constexpr std::size_t kFewestKnown = 400;   // voxels, of both submaps, that it has to stand on
+constexpr double kFewestKnown = 400.0;      // voxels, of both submaps, or cells, that it has to stand on
 constexpr double kSurely = 1e-4;            // a displacement of this p-value needs no other witness
 // A right pose is left this seldom for one that fits better, beyond chance, and that its neighbours contradict: upper
 // 95 % bound over the good pairs of `benchmarks/accuracy/run`, of which none was.
@@ -64,10 +64,12 @@ bool conflict_is_mended(const PairEvidence& pair) {
 // lies at least the conflict's margin off its counterpart, so a share s of such surfaces makes the disagreement at
 // least margin * sqrt(s), whatever it looks like; and things that moved conflict, too. Where a motion mends it, it is
 // not those; and displacements are then spread no wider than a normal law is, which lies beyond the margin less often.
+// What the cells hide puts surfaces off on top of the disagreement.
 double tolerated_conflict(const PairEvidence& pair, double tolerance_m) {
-  const double margin_m = kConflictMarginVoxels * pair.resolution_m;
-  const double whatever = std::pow(tolerance_m / margin_m, 2);
-  if (conflict_is_mended(pair)) return std::min(whatever, 2.0 * std::exp(log_normal_tail(margin_m / tolerance_m)));
+  const double margin_m = kConflictMarginVoxels * pair.grain.edge_m;
+  const double apart_m = std::hypot(tolerance_m, pair.grain.sigma_m());
+  const double whatever = std::pow(apart_m / margin_m, 2);
+  if (conflict_is_mended(pair)) return std::min(whatever, 2.0 * std::exp(log_normal_tail(margin_m / apart_m)));
   return std::max(whatever, kMovingShare);
 }
 
@@ -100,7 +102,9 @@ void set_posterior(double log_ratio, const JudgeOptions& options, PairVerdict& v
 
 void let_free_space_speak(const PairEvidence& pair, const MapNull& null, const JudgeOptions& options,
                           PairVerdict& verdict) {
-  if (!pair.overlaps || pair.map.conflict.known() < kFewestKnown) return;
+  if (!pair.overlaps || static_cast<double>(pair.map.conflict.known()) < kFewestKnown * pair.grain.voxels_per_cell) {
+    return;
+  }
   if (verdict.p_value && *verdict.p_value <= kSurely) return;
   const double excess = pair.map.conflict.share() - null.conflict;
   const double z =
