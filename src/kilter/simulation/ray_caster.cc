@@ -22,16 +22,16 @@ using Eigen::Vector3d;
 struct RigidMesh {
   TriangleMesh mesh;
   RTCScene scene = nullptr;
+  Eigen::AlignedBox3d box_m{};           // round it, along its own axes
   Vector3d center_m = Vector3d::Zero();  // of a ball round it
   double radius_m = 0.0;
 };
 
 RigidMesh with_ball(const TriangleMesh& mesh, RTCScene scene) {
   RigidMesh rigid{mesh, scene};
-  Eigen::AlignedBox3d box;
-  for (const Eigen::Vector3f& vertex : mesh.vertices_m) box.extend(vertex.cast<double>().eval());
-  rigid.center_m = box.center();
-  rigid.radius_m = 0.5 * box.diagonal().norm();
+  for (const Eigen::Vector3f& vertex : mesh.vertices_m) rigid.box_m.extend(vertex.cast<double>().eval());
+  rigid.center_m = rigid.box_m.center();
+  rigid.radius_m = 0.5 * rigid.box_m.diagonal().norm();
   return rigid;
 }
 
@@ -177,6 +177,7 @@ std::optional<RayHit> RayCaster::Moment::first_hit(const Vector3d& origin_m, con
     const double limit_m = best ? best->range_m : max_range_m;
     const RigidMesh& rigid = scenes.moving_meshes[object];
     const Vector3d origin_object_m = T_object_world * origin_m;
+    if (rigid.box_m.contains(origin_object_m)) continue;  // it would have driven round the sensor
     const Vector3d direction_object = T_object_world.rotation() * direction;
     const Vector3d to_ball_m = rigid.center_m - origin_object_m;
     if (!may_meet_ball(to_ball_m, direction_object, rigid.radius_m, limit_m)) continue;

@@ -32,7 +32,9 @@ class RayCaster {
   RayCaster(const RayCaster&) = delete;
   RayCaster& operator=(const RayCaster&) = delete;
 
-  /// The world at one moment: moving objects stand still. Cheap; valid while the caster lives; for one thread.
+  /// The world at one moment: moving objects stand still. One in whose box a ray begins is not there for that ray: a
+  /// car does not drive through the sensor, and from inside it nothing else would be seen. Cheap; valid while the
+  /// caster lives; for one thread.
   class Moment {
    public:
     /// \param origin_m     world frame

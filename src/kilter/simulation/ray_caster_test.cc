@@ -61,6 +61,19 @@ TEST(RayCaster, MovingObjectStandsWhereItsCircuitSays) {
   EXPECT_NEAR(caster.at(50.0).first_hit(eye, Vector3d::UnitX(), 100.0)->range_m, 9.0, 1e-6) << "one circuit later";
 }
 
+TEST(RayCaster, NothingDrivesThroughTheSensor) {
+  TriangleWorld world;
+  world.fixed.add_box({.center_m = {30.0, 0.0, 0.0}, .size_m = {2.0, 20.0, 4.0}}, Material::kPlaster);
+  MovingObject object;
+  object.mesh.add_box({.center_m = {0.0, 0.0, 0.5}, .size_m = {2.0, 2.0, 1.0}}, Material::kMetal);
+  object.circuit_m = {{10.0, -20.0, 0.0}, {10.0, 20.0, 0.0}};
+  object.speed_mps = 2.0;
+  world.moving.push_back(object);
+  const RayCaster caster = caster_of(world);
+  EXPECT_NEAR(caster.at(10.0).first_hit({10.0, 0.2, 0.5}, Vector3d::UnitX(), 100.0)->range_m, 19.0, 1e-6);
+  EXPECT_NEAR(caster.at(10.0).first_hit({8.9, 0.2, 0.5}, Vector3d::UnitX(), 100.0)->range_m, 0.1, 1e-6);
+}
+
 TEST(RayCaster, RefusesAnEmptyWorld) {
   const Expected<RayCaster> caster = RayCaster::build(TriangleWorld{});
   ASSERT_FALSE(caster.has_value());
