@@ -28,6 +28,11 @@ struct Register<16> {
   using Ints = std::int32_t __attribute__((vector_size(64)));
 };
 
+/// A bit for each lane of the widest register.
+inline constexpr std::array<std::int32_t, 16> kLaneBits = {1 << 0,  1 << 1,  1 << 2,  1 << 3, 1 << 4,  1 << 5,
+                                                           1 << 6,  1 << 7,  1 << 8,  1 << 9, 1 << 10, 1 << 11,
+                                                           1 << 12, 1 << 13, 1 << 14, 1 << 15};
+
 /// Whichever of the bits are set in any lane.
 template <std::uint32_t kLanes>
 [[gnu::always_inline]] inline std::uint32_t any_of(const typename Register<kLanes>::Ints& lanes) {

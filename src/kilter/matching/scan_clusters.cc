@@ -59,9 +59,6 @@ template <std::uint32_t kLanes>
 [[gnu::always_inline]] inline std::uint32_t near_boxes(const ClusterGroup& group, const float* point, float within_m2) {
   using Floats = typename Register<kLanes>::Floats;
   using Ints = typename Register<kLanes>::Ints;
-  static constexpr std::array<std::int32_t, kMostLanes> kBits = {1 << 0,  1 << 1,  1 << 2,  1 << 3, 1 << 4,  1 << 5,
-                                                                 1 << 6,  1 << 7,  1 << 8,  1 << 9, 1 << 10, 1 << 11,
-                                                                 1 << 12, 1 << 13, 1 << 14, 1 << 15};
   Ints near{};
   for (std::uint32_t from = 0; from < kMostLanes; from += kLanes) {
     Floats square{};
@@ -77,7 +74,7 @@ template <std::uint32_t kLanes>
       square += gap * gap;
     }
     Ints bits;
-    std::memcpy(&bits, kBits.data() + from, sizeof(bits));
+    std::memcpy(&bits, kLaneBits.data() + from, sizeof(bits));
     near |= kRoundedDown * square <= Floats{} + (within_m2 + kSlack_m2) ? bits : Ints{};
   }
   return any_of<kLanes>(near);

@@ -44,15 +44,12 @@ template <std::uint32_t kLanes>
 [[gnu::always_inline]] inline std::uint32_t gaps_within(const AskingPoints::Floats& gaps_m2, float at_most) {
   using Floats = typename Register<kLanes>::Floats;
   using Ints = typename Register<kLanes>::Ints;
-  static constexpr std::array<std::int32_t, kMostLanes> kBits = {1 << 0,  1 << 1,  1 << 2,  1 << 3, 1 << 4,  1 << 5,
-                                                                 1 << 6,  1 << 7,  1 << 8,  1 << 9, 1 << 10, 1 << 11,
-                                                                 1 << 12, 1 << 13, 1 << 14, 1 << 15};
   Ints chosen{};
   for (std::uint32_t from = 0; from < kMostLanes; from += kLanes) {
     Floats gaps;
     Ints bits;
     std::memcpy(&gaps, gaps_m2.data() + from, sizeof(gaps));
-    std::memcpy(&bits, kBits.data() + from, sizeof(bits));
+    std::memcpy(&bits, kLaneBits.data() + from, sizeof(bits));
     chosen |= gaps <= Floats{} + at_most ? bits : Ints{};
   }
   return any_of<kLanes>(chosen);

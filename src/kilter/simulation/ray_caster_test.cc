@@ -43,7 +43,8 @@ TEST(RayCaster, SeesNothingBeyondItsReach) {
   EXPECT_FALSE(caster.at(0.0).first_hit(Vector3d::Zero(), Vector3d::UnitY(), 100.0).has_value());
 }
 
-TEST(RayCaster, MovingObjectStandsWhereItsCircuitSays) {
+// A block that goes to and fro before a wall.
+TriangleWorld world_with_traffic() {
   TriangleWorld world;
   world.fixed.add_box({.center_m = {30.0, 0.0, 0.0}, .size_m = {2.0, 20.0, 4.0}}, Material::kPlaster);
   MovingObject object;
@@ -51,7 +52,11 @@ TEST(RayCaster, MovingObjectStandsWhereItsCircuitSays) {
   object.circuit_m = {{10.0, -20.0, 0.0}, {10.0, 20.0, 0.0}};
   object.speed_mps = 2.0;
   world.moving.push_back(object);
-  const RayCaster caster = caster_of(world);
+  return world;
+}
+
+TEST(RayCaster, MovingObjectStandsWhereItsCircuitSays) {
+  const RayCaster caster = caster_of(world_with_traffic());
   const Vector3d eye(0.0, 0.0, 0.5);
   EXPECT_NEAR(caster.at(0.0).first_hit(eye, Vector3d::UnitX(), 100.0)->range_m, 29.0, 1e-12);
   const auto hit = caster.at(10.0).first_hit(eye, Vector3d::UnitX(), 100.0);
@@ -62,14 +67,7 @@ TEST(RayCaster, MovingObjectStandsWhereItsCircuitSays) {
 }
 
 TEST(RayCaster, NothingDrivesThroughTheSensor) {
-  TriangleWorld world;
-  world.fixed.add_box({.center_m = {30.0, 0.0, 0.0}, .size_m = {2.0, 20.0, 4.0}}, Material::kPlaster);
-  MovingObject object;
-  object.mesh.add_box({.center_m = {0.0, 0.0, 0.5}, .size_m = {2.0, 2.0, 1.0}}, Material::kMetal);
-  object.circuit_m = {{10.0, -20.0, 0.0}, {10.0, 20.0, 0.0}};
-  object.speed_mps = 2.0;
-  world.moving.push_back(object);
-  const RayCaster caster = caster_of(world);
+  const RayCaster caster = caster_of(world_with_traffic());
   EXPECT_NEAR(caster.at(10.0).first_hit({10.0, 0.2, 0.5}, Vector3d::UnitX(), 100.0)->range_m, 19.0, 1e-6);
   EXPECT_NEAR(caster.at(10.0).first_hit({8.9, 0.2, 0.5}, Vector3d::UnitX(), 100.0)->range_m, 0.1, 1e-6);
 }
