@@ -14,31 +14,18 @@ namespace {
 
 // A centroid lies in its voxel, but for the rounding of its floats.
 constexpr double kSlackVoxels = 0.01;
-// Floats are never more wrong than this.
-constexpr float kRoundedDown = 0.999F;
 // Those who ask together are of one cluster, unless it is nearly empty.
 constexpr std::uint32_t kEnoughTogether = 10;
 // Blocks of one row ask together while their voxels are few: what lies around them is looked up once.
 constexpr std::uint64_t kMostInRow = 6;
 constexpr std::uint32_t kFew = 256;
 
-struct Box {
-  std::array<float, 3> low_m{ClusteredPoints::kNowhere, ClusteredPoints::kNowhere, ClusteredPoints::kNowhere};
-  std::array<float, 3> high_m{-ClusteredPoints::kNowhere, -ClusteredPoints::kNowhere, -ClusteredPoints::kNowhere};
-
-  [[nodiscard]] float square_distance_m2(const Cluster& cluster) const {
-    float square_m2 = 0.0F;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      const float gap_m = std::max({cluster.low_m[axis] - high_m[axis], low_m[axis] - cluster.high_m[axis], 0.0F});
-      square_m2 += gap_m * gap_m;
-    }
-    return square_m2;
-  }
-};
+constexpr FloatBox kNoBox = {{ClusteredPoints::kNowhere, ClusteredPoints::kNowhere, ClusteredPoints::kNowhere},
+                             {-ClusteredPoints::kNowhere, -ClusteredPoints::kNowhere, -ClusteredPoints::kNowhere}};
 
 }  // namespace
 
-// Asks for the voxels of one block of the source after the other.
+// Asks for the voxels of a few blocks of the source after the other.
 class BlocksAsking {
  public:
   BlocksAsking(const NearestVoxelSearch& source, const NearestVoxelSearch& target, const Pose3& T_target_source,
@@ -79,7 +66,6 @@ class BlocksAsking {
 
   void gather(const NearestVoxelSearch::ClusterRange& clusters);
   void add(std::uint32_t slot);
-  void close();
   void line_up(std::size_t axis, float reach_m, Line& line) const;
   void collect();
   void add_clusters(std::size_t block);
@@ -91,17 +77,17 @@ class BlocksAsking {
   double limit_m_;
   float limit_m2_;
   ScanForMany scan_;
-  std::vector<Eigen::Vector3d> at_m_;  // of the block's voxels in the target's frame, by slot
+  std::vector<Eigen::Vector3d> at_m_;  // of those who ask, in the target's frame, by slot
   std::vector<AskingPoints> asking_;
-  Box box_;  // around them all
+  FloatBox box_;  // around them all
   std::array<Line, 3> lines_;
-  std::vector<ClusterGroup> groups_;  // of the target, what the present ring adds
+  std::vector<ClusterGroup> groups_;  // of the target, that may be near anyone
 };
 
 void BlocksAsking::gather(const NearestVoxelSearch::ClusterRange& clusters) {
   at_m_.clear();
   asking_.clear();
-  box_ = {};
+  box_ = kNoBox;
   for (std::uint32_t k = clusters.first; k < clusters.end; ++k) {
     const Cluster& cluster = source_.clusters_[k];
     if (asking_.empty() || asking_.back().count >= kEnoughTogether) asking_.emplace_back();
@@ -121,15 +107,15 @@ void BlocksAsking::gather(const NearestVoxelSearch::ClusterRange& clusters) {
       low = *std::min_element(lanes.begin(), lanes.end());
       high = *std::max_element(lanes.begin(), lanes.end());
     };
-    bound(asking.x, asking.low_m[0], asking.high_m[0]);
-    bound(asking.y, asking.low_m[1], asking.high_m[1]);
-    bound(asking.z, asking.low_m[2], asking.high_m[2]);
+    bound(asking.x, asking.box.low_m[0], asking.box.high_m[0]);
+    bound(asking.y, asking.box.low_m[1], asking.box.high_m[1]);
+    bound(asking.z, asking.box.low_m[2], asking.box.high_m[2]);
     asking.square_m2.fill(limit_m2_);
     asking.farthest_m2 = limit_m2_;
     asking.number.fill(ClusteredPoints::kNoNumber);
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      box_.low_m[axis] = std::min(box_.low_m[axis], asking.low_m[axis]);
-      box_.high_m[axis] = std::max(box_.high_m[axis], asking.high_m[axis]);
+      box_.low_m[axis] = std::min(box_.low_m[axis], asking.box.low_m[axis]);
+      box_.high_m[axis] = std::max(box_.high_m[axis], asking.box.high_m[axis]);
     }
   }
 }
@@ -186,7 +172,7 @@ void BlocksAsking::add_clusters(std::size_t block) {
   const NearestVoxelSearch::ClusterRange range = target_.of_block_[block];
   for (std::uint32_t i = range.first; i < range.end; ++i) {
     const Cluster& cluster = target_.clusters_[i];
-    if (kRoundedDown * box_.square_distance_m2(cluster) > limit_m2_) continue;
+    if (kRoundedDown * box_.square_gap_m2(cluster) > limit_m2_) continue;
     if (groups_.empty() || groups_.back().full()) groups_.emplace_back(0.0F);
     groups_.back().add(cluster);
   }

@@ -15,27 +15,10 @@ namespace {
 // Distances that blocks beside the home block are looked at up to, as shares of a block's edge: most answers lie within
 // a voxel.
 constexpr std::array kRings = {0.125, 0.375};
-// Floats are never more wrong than this.
-constexpr float kRoundedDown = 0.999F;
 
 int cluster_of(const VoxelIndex& voxel) {
   constexpr int kHalf = kBlockShift - 1;
   return (voxel.x() >> kHalf & 1) | (voxel.y() >> kHalf & 1) << 1 | (voxel.z() >> kHalf & 1) << 2;
-}
-
-struct Box {
-  std::array<float, 3> low_m;
-  std::array<float, 3> high_m;
-};
-
-float square_distance_m2(const Box& box, const Cluster& cluster) {
-  float square_m2 = 0.0F;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const float gap_m =
-        std::max({cluster.low_m[axis] - box.high_m[axis], box.low_m[axis] - cluster.high_m[axis], 0.0F});
-    square_m2 += gap_m * gap_m;
-  }
-  return square_m2;
 }
 
 }  // namespace
@@ -183,7 +166,7 @@ bool NearestVoxelCursor::extend(Home& home, float best_m2) const {
   const NearestVoxelSearch::Step& step = search_->steps_[home.steps++];
   const VoxelMap& map = *search_->map_;
   const double edge_m = kBlockSize * map.resolution_m();
-  Box box{};
+  FloatBox box;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const int at = home.at[static_cast<Eigen::Index>(axis)];
     box.low_m[axis] = static_cast<float>(at * edge_m);
@@ -205,7 +188,7 @@ bool NearestVoxelCursor::extend(Home& home, float best_m2) const {
     const NearestVoxelSearch::ClusterRange range = search_->of_block_[static_cast<std::size_t>(number)];
     for (std::uint32_t i = range.first; i < range.end; ++i) {
       const Cluster& cluster = search_->clusters_[i];
-      const float gap_m2 = square_distance_m2(box, cluster);
+      const float gap_m2 = box.square_gap_m2(cluster);
       if (gap_m2 < step.to_m2) {
         add(cluster);
       } else {

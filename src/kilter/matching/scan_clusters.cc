@@ -6,13 +6,11 @@
 #include <bit>
 #include <cstring>
 
-#include "kilter/matching/registers.h"
+#include "kilter/matching/cluster_gaps.h"
 
 namespace kilter {
 namespace {
 
-// Distances to boxes are rounded down by more than floats can be wrong.
-constexpr float kRoundedDown = 0.999F;
 constexpr float kSlack_m2 = 1e-6F;
 
 // The nearest point of each lane. Written once for any number of lanes; each caller's target decides which registers
@@ -61,21 +59,11 @@ template <std::uint32_t kLanes>
   using Ints = typename Register<kLanes>::Ints;
   Ints near{};
   for (std::uint32_t from = 0; from < kMostLanes; from += kLanes) {
-    Floats square{};
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      Floats low;
-      Floats high;
-      std::memcpy(&low, group.low_m[axis].data() + from, sizeof(low));
-      std::memcpy(&high, group.high_m[axis].data() + from, sizeof(high));
-      const Floats below = low - point[axis];
-      const Floats above = point[axis] - high;
-      Floats gap = below > above ? below : above;
-      gap = gap > 0.0F ? gap : Floats{};
-      square += gap * gap;
-    }
+    Floats square;
+    square_gaps<kLanes>(group, from, point, point, square);
     Ints bits;
     std::memcpy(&bits, kLaneBits.data() + from, sizeof(bits));
-    near |= kRoundedDown * square <= Floats{} + (within_m2 + kSlack_m2) ? bits : Ints{};
+    near |= square <= Floats{} + (within_m2 + kSlack_m2) ? bits : Ints{};
   }
   return any_of<kLanes>(near);
 }
@@ -141,6 +129,15 @@ void scan_baseline(const ClusteredPoints& points, std::span<const ClusterGroup> 
 #endif
 
 }  // namespace
+
+float FloatBox::square_gap_m2(const Cluster& cluster) const {
+  float square_m2 = 0.0F;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const float gap_m = std::max({cluster.low_m[axis] - high_m[axis], low_m[axis] - cluster.high_m[axis], 0.0F});
+    square_m2 += gap_m * gap_m;
+  }
+  return square_m2;
+}
 
 ClusterGroup::ClusterGroup(float least) : least_m2(least) {
   for (Floats& axis : low_m) axis.fill(ClusteredPoints::kNowhere);

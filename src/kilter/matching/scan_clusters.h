@@ -42,6 +42,18 @@ struct Cluster {
   std::uint32_t end = 0;
 };
 
+/// Squares of distances to boxes are multiplied by this: floats are never more wrong.
+inline constexpr float kRoundedDown = 0.999F;
+
+/// A box along the axes. [m]
+struct FloatBox {
+  std::array<float, 3> low_m{};
+  std::array<float, 3> high_m{};
+
+  /// To the cluster's box; 0 where they meet. [m^2]
+  [[nodiscard]] float square_gap_m2(const Cluster& cluster) const;
+};
+
 /// Up to kMostLanes clusters, a lane for each; out of reach where there is none.
 class ClusterGroup {
  public:

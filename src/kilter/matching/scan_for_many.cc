@@ -6,36 +6,22 @@
 #include <bit>
 #include <cstring>
 
-#include "kilter/matching/registers.h"
+#include "kilter/matching/cluster_gaps.h"
 
 namespace kilter {
 namespace {
 
-// Distances between boxes are rounded down by more than floats can be wrong.
-constexpr float kRoundedDown = 0.999F;
 // Groups whose gaps are remembered; more are looked through in parts.
 constexpr std::size_t kMostGroups = 64;
 
-// The gaps between the box of those who ask and the boxes of a group, rounded down. [m^2]
+// The gaps between the box of those who ask and the boxes of a group. [m^2]
 template <std::uint32_t kLanes>
-[[gnu::always_inline]] inline void gaps_to(const ClusterGroup& group, const AskingPoints& asking,
+[[gnu::always_inline]] inline void gaps_to(const ClusterGroup& group, const FloatBox& box,
                                            AskingPoints::Floats& gaps_m2) {
-  using Floats = typename Register<kLanes>::Floats;
   for (std::uint32_t from = 0; from < kMostLanes; from += kLanes) {
-    Floats square{};
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      Floats low;
-      Floats high;
-      std::memcpy(&low, group.low_m[axis].data() + from, sizeof(low));
-      std::memcpy(&high, group.high_m[axis].data() + from, sizeof(high));
-      const Floats below = low - asking.high_m[axis];
-      const Floats above = asking.low_m[axis] - high;
-      Floats gap = below > above ? below : above;
-      gap = gap > 0.0F ? gap : Floats{};
-      square += gap * gap;
-    }
-    square *= kRoundedDown;
-    std::memcpy(gaps_m2.data() + from, &square, sizeof(square));
+    typename Register<kLanes>::Floats gaps;
+    square_gaps<kLanes>(group, from, box.low_m.data(), box.high_m.data(), gaps);
+    std::memcpy(gaps_m2.data() + from, &gaps, sizeof(gaps));
   }
 }
 
@@ -76,13 +62,6 @@ struct Askers {
     std::memcpy(asking.square_m2.data(), square_m2.data(), sizeof(asking.square_m2));
     std::memcpy(asking.number.data(), number.data(), sizeof(asking.number));
   }
-  [[gnu::always_inline]] static void add_square_gap(const Floats& at, float low, float high, Floats& sum_m2) {
-    const Floats below = low - at;
-    const Floats above = at - high;
-    Floats gap = below > above ? below : above;
-    gap = gap > 0.0F ? gap : Floats{};
-    sum_m2 += gap * gap;
-  }
   [[nodiscard, gnu::always_inline]] float farthest_m2() const {
     Floats most = square_m2[0];
     for (std::uint32_t r = 1; r < kRegisters; ++r) most = square_m2[r] > most ? square_m2[r] : most;
@@ -93,9 +72,9 @@ struct Askers {
     Ints any{};
     for (std::uint32_t r = 0; r < kRegisters; ++r) {
       Floats gap_m2{};
-      add_square_gap(x[r], group.low_m[0][k], group.high_m[0][k], gap_m2);
-      add_square_gap(y[r], group.low_m[1][k], group.high_m[1][k], gap_m2);
-      add_square_gap(z[r], group.low_m[2][k], group.high_m[2][k], gap_m2);
+      add_square_gap<kLanes>(group.low_m[0][k] - x[r], x[r] - group.high_m[0][k], gap_m2);
+      add_square_gap<kLanes>(group.low_m[1][k] - y[r], y[r] - group.high_m[1][k], gap_m2);
+      add_square_gap<kLanes>(group.low_m[2][k] - z[r], z[r] - group.high_m[2][k], gap_m2);
       any |= kRoundedDown * gap_m2 <= square_m2[r] ? Ints{} - 1 : Ints{};
     }
     return any_of<kLanes>(any) != 0;
@@ -127,7 +106,7 @@ template <std::uint32_t kLanes>
   float within_m2 = asking.farthest_m2;
   for (std::size_t first = 0; first < groups.size(); first += kMostGroups) {
     const std::span<const ClusterGroup> part = groups.subspan(first, std::min(kMostGroups, groups.size() - first));
-    for (std::size_t g = 0; g < part.size(); ++g) gaps_to<kLanes>(part[g], asking, gaps_m2[g]);
+    for (std::size_t g = 0; g < part.size(); ++g) gaps_to<kLanes>(part[g], asking.box, gaps_m2[g]);
     const auto look_at = [&](std::size_t g, std::uint32_t clusters) {
       for (; clusters != 0; clusters &= clusters - 1) {
         const auto k = static_cast<std::size_t>(std::countr_zero(clusters));

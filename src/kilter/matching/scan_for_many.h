@@ -20,9 +20,8 @@ struct AskingPoints {
   Floats z{};
   Floats square_m2{};                             ///< to the nearest, or the squared limit
   std::array<std::int32_t, kMostLanes> number{};  ///< of the nearest; ClusteredPoints::kNoNumber: none yet
-  std::array<float, 3> low_m{};                   ///< box around them
-  std::array<float, 3> high_m{};
-  float farthest_m2 = 0.0F;  ///< the largest of square_m2
+  FloatBox box;                                   ///< around them
+  float farthest_m2 = 0.0F;                       ///< the largest of square_m2
   std::uint32_t count = 0;
 };
 
