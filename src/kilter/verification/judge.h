@@ -102,7 +102,7 @@ struct MapNull {
 /// The paper's test with the thresholds that it leaves out (step F11): a pair is out of line if log10 Gamma lies three
 /// spreads below the map's median; verified inconsistent if Theta then is at least twice Gamma and registration moved
 /// it by more than a voxel, or a cell if that is larger; rejected (kUnverified) if Theta is not; consistent if it is in
-/// line. No p-value.
+/// line. kUnverified whatever Gamma is if registration failed, so that there is no Theta. No p-value.
 [[nodiscard]] PairVerdict judge_pair_by_gamma(const PairEvidence& pair, const MapNull& null);
 
 /// A pair as judge_map needs it.

@@ -209,6 +209,13 @@ std::string doubt(const PairEvidence& pair, const MapNull& null, bool conflict_c
   return {};
 }
 
+// What is said of a pair that no registration brought together; empty where one did.
+std::string registration_failure(const PairEvidence& pair) {
+  if (!pair.registration) return "registration failed: not tried";
+  if (pair.registration->converged() && pair.registered) return {};
+  return fmt::format("registration failed: {}", to_string(pair.registration->stop));
+}
+
 PairVerdict judge_displacement(const PairEvidence& pair, const MapNull& null, const JudgeOptions& options) {
   PairVerdict verdict;
   note_measurements(pair, null, verdict);
@@ -223,11 +230,8 @@ PairVerdict judge_displacement(const PairEvidence& pair, const MapNull& null, co
         pair.map.matched, pair.common->matched);
     return verdict;
   }
-  if (!pair.registration || !pair.registration->converged() || !pair.registered) {
-    verdict.reason = fmt::format("registration failed: {}", pair.registration ? to_string(pair.registration->stop)
-                                                                              : std::string_view("not tried"));
-    return verdict;
-  }
+  verdict.reason = registration_failure(pair);
+  if (!verdict.reason.empty()) return verdict;
   verdict.unobservable = pair.registration->unobservable;
   const OffsetEstimate offset = estimate_offset(*pair.registration, pair.T_target_source);
   const Bend& bend = pair.registration->bend;
@@ -322,30 +326,34 @@ PairVerdict judge_pair_by_gamma(const PairEvidence& pair, const MapNull& null) {
     verdict.reason = pair.gate;
     return verdict;
   }
-  const bool registered = pair.registered && pair.registered->score;
-  if (pair.registered) verdict.unobservable = pair.registration->unobservable;
-  if (registered) {
-    const OffsetEstimate offset = estimate_offset(*pair.registration, pair.T_target_source);
-    verdict.offset_m = offset.offset_m;
-    verdict.offset_rad = offset.offset_rad;
-    verdict.offset_vector_m = offset.vector_m;
-  }
   const std::optional<double> gamma = pair.map.score->log10_gamma;
   const double limit = null.log10_gamma - kThetaSpreads * null.log10_gamma_spread;
-  const bool has_theta = registered && pair.registered->score->log10_gamma.has_value();
-  const double theta = has_theta ? *pair.registered->score->log10_gamma : 0.0;
+  const std::string test = gamma ? fmt::format("log10 Gamma {:.2f} is {} this map (from {:.2f})", *gamma,
+                                               *gamma >= limit ? "in line with" : "low for", limit)
+                                 : std::string("Gamma is infinite: all distances are equal or zero");
+  if (const std::string failure = registration_failure(pair); !failure.empty()) {
+    verdict.reason = fmt::format("{}; {}", failure, test);
+    return verdict;
+  }
+  verdict.unobservable = pair.registration->unobservable;
+  if (!pair.registered->score) {
+    verdict.reason = fmt::format("registration failed: it ended where too few voxels match; {}", test);
+    return verdict;
+  }
+  const OffsetEstimate offset = estimate_offset(*pair.registration, pair.T_target_source);
+  verdict.offset_m = offset.offset_m;
+  verdict.offset_rad = offset.offset_rad;
+  verdict.offset_vector_m = offset.vector_m;
+  const std::optional<double> theta = pair.registered->score->log10_gamma;
+  const std::string reached = theta ? fmt::format("{:.2f}", *theta) : std::string("infinity");
   if (!gamma || *gamma >= limit) {
     verdict.verdict = Verdict::kConsistent;
-    verdict.reason = gamma ? fmt::format("log10 Gamma {:.2f} is in line with this map (from {:.2f})", *gamma, limit)
-                           : std::string("Gamma is infinite: all distances are equal or zero");
-  } else if (has_theta && theta - *gamma >= kThetaSlack && *verdict.offset_m > pair.grain.edge_m) {
+    verdict.reason = test;
+  } else if (theta && *theta - *gamma >= kThetaSlack && offset.offset_m > pair.grain.edge_m) {
     verdict.verdict = Verdict::kInconsistent;
-    verdict.reason = fmt::format("log10 Gamma {:.2f} is low for this map (from {:.2f}), registered {:.2f}: verified",
-                                 *gamma, limit, theta);
+    verdict.reason = fmt::format("{}, registered {}: verified", test, reached);
   } else {
-    verdict.reason =
-        fmt::format("log10 Gamma {:.2f} is low for this map (from {:.2f}), but registration does not verify it: {}",
-                    *gamma, limit, has_theta ? fmt::format("it reaches {:.2f}", theta) : std::string("it failed"));
+    verdict.reason = fmt::format("{}, but registration does not verify it: it reaches {}", test, reached);
   }
   return verdict;
 }

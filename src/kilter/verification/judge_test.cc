@@ -360,6 +360,25 @@ TEST(JudgePairByGamma, FollowsThePapersTestAndVerification) {
   EXPECT_EQ(judge_pair_by_gamma(apart, kNull).verdict, Verdict::kUnverified);
 }
 
+TEST(JudgePairByGamma, DecidesNothingWhereRegistrationFailed) {
+  for (const double gamma : {2.0, 1.2}) {
+    PairEvidence failed = pair_moved(0.0, 0.01);
+    failed.map.score.emplace().log10_gamma = gamma;
+    PairEvidence lost = failed;
+    failed.registration->stop = StopReason::kTooFewMatches;
+    failed.registered.reset();
+    const PairVerdict verdict = judge_pair_by_gamma(failed, kNull);
+    EXPECT_EQ(verdict.verdict, Verdict::kUnverified);
+    EXPECT_EQ(verdict.reason.find("registration failed: too few matches; log10 Gamma"), 0U) << verdict.reason;
+    EXPECT_FALSE(verdict.offset_m);
+    EXPECT_EQ(verdict.evidence.at("log10_gamma").value, gamma);
+    lost.registered->score.reset();  // converged below the gate
+    EXPECT_EQ(judge_pair_by_gamma(lost, kNull).verdict, Verdict::kUnverified);
+    lost.registration.reset();
+    EXPECT_EQ(judge_pair_by_gamma(lost, kNull).verdict, Verdict::kUnverified);
+  }
+}
+
 TEST(EstimateNull, SurvivesAFifthOfBadSequentialPairs) {
   std::vector<PairEvidence> pairs;
   for (int i = 0; i < 20; ++i) {
