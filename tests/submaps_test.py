@@ -68,6 +68,21 @@ class Submaps(unittest.TestCase):
         self.assertEqual([submap["id"] for submap in result["submaps"]], ["a/1", "a/2", "a/3", "b/1", "b/2", "b/3"])
         self.assertIsNone(result["submaps"][0]["first_scan"])
 
+    def test_keys_of_scans_that_finished_submaps_do_not_heed_are_named(self):
+        folder = self.write("taken", "--format", "pcd", "--set", "min_range=1", "--set", "max_range=30")
+        said = "note: finished submaps are taken as they are: {} no effect on those of a, b\n"
+        for command in ("check", "submaps"):
+            out = self.tiny.folder / f"taken-{command}"
+            run = run_kilter(command, folder, "-o", out, "--set", "min_range=2", "--set", "max_range=9")
+            self.assertIn(said.format("min_range, max_range have"), run.stderr)
+            self.assertEqual(run.stderr.count("min_range"), 1, run.stderr)
+            run = run_kilter(command, folder, "-o", self.tiny.folder / "quiet", "--set", "max_range=9", "--quiet")
+            self.assertEqual(run.stderr, "")
+        run = run_kilter("check", folder, "-o", self.tiny.folder / "out", "--set", "submap_distance=5")
+        self.assertIn(said.format("submap_distance has"), run.stderr)
+        run = run_kilter("check", self.tiny.mission, "-o", self.tiny.folder / "out", "--set", "min_range=1")
+        self.assertNotIn("no effect", run.stderr)
+
     def test_what_is_written_is_a_mission_and_a_pose_graph(self):
         folder = self.write("layout", "--jobs", 1)
         names = [f"{robot}/{name}" for robot in "ab"

@@ -23,6 +23,7 @@
 #include "apps/kilter/signals.h"
 #include "apps/kilter/source_clouds.h"
 #include "apps/kilter/terminal.h"
+#include "apps/kilter/unused_keys.h"
 #include "apps/kilter/word_option.h"
 #include "kilter/io/archive.h"
 #include "kilter/io/file.h"
@@ -274,6 +275,7 @@ void print_notes_before(const Job& job) {
   for (const std::string& note : notes_on_cells(job.mission, job.settings.check.submap.occupancy.resolution_m)) {
     print_note(note);
   }
+  if (const auto note = note_on_unused_keys(job.mission, job.settings.check)) print_note(*note);
   for (const RobotLog& robot : job.mission.robots) {
     if (!robot.finished_submaps || robot.read_cells) continue;
     print_note(

@@ -19,6 +19,7 @@
 #include "apps/kilter/signals.h"
 #include "apps/kilter/submap_writer.h"
 #include "apps/kilter/terminal.h"
+#include "apps/kilter/unused_keys.h"
 #include "apps/kilter/word_option.h"
 #include "kilter/io/file.h"
 #include "kilter/io/mission.h"
@@ -205,6 +206,7 @@ void print_notes(const SubmapsCommand& command, const Job& job) {
   for (const std::string& note : notes_on_cells(job.mission, job.settings.check.submap.occupancy.resolution_m)) {
     print_note(note);
   }
+  if (const auto note = note_on_unused_keys(job.mission, job.settings.check)) print_note(*note);
   if (command.format == SubmapFormat::kPcd || command.format == SubmapFormat::kPly) {
     print_note("points alone say nothing of free space, and verdicts lack that evidence; --format ot keeps it");
   }
