@@ -20,28 +20,20 @@
 #include "apps/kilter/exit_status.h"
 #include "apps/kilter/known_cuts.h"
 #include "apps/kilter/output_folder.h"
+#include "apps/kilter/result_files.h"
 #include "apps/kilter/signals.h"
 #include "apps/kilter/source_clouds.h"
 #include "apps/kilter/terminal.h"
 #include "apps/kilter/unused_keys.h"
 #include "apps/kilter/word_option.h"
-#include "kilter/io/archive.h"
 #include "kilter/io/file.h"
 #include "kilter/io/mission.h"
-#include "kilter/io/octree_writer.h"
 #include "kilter/io/temporary_file.h"
 #include "kilter/io/usable_points.h"
 #include "kilter/pipeline/check.h"
-#include "kilter/report/coloured_ply.h"
 #include "kilter/report/constraints_g2o.h"
-#include "kilter/report/map_ply.h"
-#include "kilter/report/matrix_csv.h"
-#include "kilter/report/pairs_csv.h"
-#include "kilter/report/pictures_png.h"
-#include "kilter/report/report_html.h"
 #include "kilter/report/result_json.h"
 #include "kilter/report/summary.h"
-#include "kilter/submap/fuse_submaps.h"
 
 namespace kilter::app {
 namespace {
@@ -154,71 +146,12 @@ RunInfo run_info(const CheckCommand& command) {
           date_now()};
 }
 
-std::vector<double> values_of(const std::map<PairId, double>& cells) {
-  std::vector<double> values;
-  values.reserve(cells.size());
-  for (const auto& [id, value] : cells) values.push_back(value);
-  return values;
-}
-
-// What the report is drawn from, the report, and pictures for who has no browser.
-void add_pictures(std::vector<OutputFile>& files, const Result& result, const ConfigEcho& config, double tolerance_m) {
-  std::string archive = archive_bytes({result_json_without_run(result, config), *result.picture});
-  const auto gamma = gamma_matrix(result).entries();
-  const auto theta = theta_matrix(result).entries();
-  const auto verified = verified_matrix(result).entries();
-  std::vector<double> consistency = values_of(gamma);
-  for (const double value : values_of(theta)) consistency.push_back(value);
-  files.push_back({"gamma.png", matrix_png(result, gamma, consistency)});
-  files.push_back({"theta.png", matrix_png(result, theta, consistency)});
-  files.push_back({"verified.png", matrix_png(result, verified, values_of(verified))});
-  files.push_back({"map.png", map_png(result)});
-  files.push_back({"coloured.ply", coloured_ply(result, tolerance_m)});
-  files.push_back({"report.html", report_html(archive)});
-  files.push_back({"result.kilter", std::move(archive)});
-}
-
-// A fused map for viewers and, where its voxels are near enough to the world's origin, for OctoMap.
-void add_map(std::vector<OutputFile>& files, const FusedMap& map, const Result& result, bool quiet) {
-  const std::filesystem::path maps = "maps";
-  files.push_back({maps / (map.name + ".ply"), map_ply(map, result.robots)});
-  const Expected<OccupancyCells> cells = cells_from_fused(map.voxels, result.resolution_m);
-  if (cells) {
-    files.push_back({maps / (map.name + ".ot"), octree_bytes(*cells, OctreeFormat::kFull)});
-  } else if (!quiet) {
-    print_note(fmt::format("maps/{}.ot is not written: {}", printable(map.name), cells.error().message));
-  }
-}
-
-// What output_files will be called, found out before any work.
-std::vector<std::filesystem::path> output_names(const CheckCommand& command, const Mission& mission) {
-  std::vector<std::filesystem::path> names = {
-      "pairs.csv",       "gamma.csv",    "theta.csv", "verified.csv", "gamma.png",     "theta.png",  "verified.png",
-      "constraints.g2o", "coloured.ply", "map.png",   "report.html",  "result.kilter", "result.json"};
-  if (!command.maps) return names;
-  std::vector<std::string> maps = {"global"};
-  for (const RobotLog& robot : mission.robots) maps.push_back(robot.name);
-  for (const std::string& map : maps) {
-    for (const char* extension : {".ply", ".ot"}) names.push_back(std::filesystem::path("maps") / (map + extension));
-  }
+// The maps that --maps writes: of all robots together, then each one's.
+std::vector<std::string> map_names(const CheckCommand& command, const Mission& mission) {
+  if (!command.maps) return {};
+  std::vector<std::string> names = {"global"};
+  for (const RobotLog& robot : mission.robots) names.push_back(robot.name);
   return names;
-}
-
-std::vector<OutputFile> output_files(const CheckCommand& command, const Result& result, const std::string& json,
-                                     const ConfigEcho& config, double tolerance_m) {
-  std::vector<OutputFile> files = {
-      {"pairs.csv", pairs_csv(result)},
-      {"gamma.csv", matrix_csv(result, gamma_matrix(result).entries())},
-      {"theta.csv", matrix_csv(result, theta_matrix(result).entries())},
-      {"verified.csv", matrix_csv(result, verified_matrix(result).entries())},
-      {"constraints.g2o", constraints_g2o(result, command.g2o_dialect)},
-  };
-  for (const FusedMap& map : result.maps) {
-    add_map(files, map, result, command.common.quiet);
-  }
-  add_pictures(files, result, config, tolerance_m);
-  files.push_back({"result.json", json});  // last: who finds a new one finds the rest new as well
-  return files;
 }
 
 // One line for a robot all of whose submaps are bare, instead of one for each of them.
@@ -288,7 +221,7 @@ void print_notes_before(const Job& job) {
 int run_check(const CheckCommand& command) {
   Expected<Job> job = open_job(command);
   if (!job) return print_error(job.error());
-  const std::vector<std::filesystem::path> names = output_names(command, job->mission);
+  const std::vector<std::filesystem::path> names = result_file_names(map_names(command, job->mission));
   if (auto fit = probe_output_folder(command.output_folder, names); !fit) return refuse_output(fit.error());
   if (auto fit = check_apart_from_clouds(command.output_folder, names, command.sources, job->mission); !fit) {
     return print_error(fit.error());
@@ -301,11 +234,13 @@ int run_check(const CheckCommand& command) {
   const ConfigEcho config = config_echo(*job);
   const std::string json = result_json(*result, config, run_info(command));
   print_notes(command, *result);
-  if (auto done = write_output_folder(
-          command.output_folder, output_files(command, *result, json, config, job->settings.check.judge.tolerance_m));
-      !done) {
-    return refuse_output(done.error());
+  const ResultFormats formats = {json, config, job->settings.check.judge.tolerance_m, command.g2o_dialect};
+  std::vector<std::string> notes;
+  const std::vector<OutputFile> files = result_files(*result, formats, notes);
+  for (const std::string& note : notes) {
+    if (!command.common.quiet) print_note(note);
   }
+  if (auto done = write_output_folder(command.output_folder, files); !done) return refuse_output(done.error());
   if (auto done = present(command, *job, *result, json); !done) return refuse_output(done.error());
   return exit_status(result->system.state, command.fail_on);
 }
