@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <map>
 #include <numbers>
 #include <set>
@@ -54,11 +55,14 @@ void add_verdict(Lines& lines, const Result& result, const SummaryOptions& optio
   lines.insert(lines.end(), block.begin(), block.end());
 }
 
+// Rounded down, a certificate would claim more than was shown.
+double to_centimetres_above(double metres) { return std::ceil(100.0 * metres - 1e-9) / 100.0; }
+
 void add_certificate(Lines& lines, const Result& result) {
   const MapVerdict& system = result.system;
   std::string text = "none: nothing can be said about the whole map at 95 %";
   if (system.certificate_m) {
-    text = fmt::format("consistent to {:.2f} m at 95 %", *system.certificate_m);
+    text = fmt::format("consistent to {:.2f} m at 95 %", to_centimetres_above(*system.certificate_m));
     if (!system.certificate_excludes.empty()) {
       const PairId first = system.certificate_excludes.front();
       text += fmt::format("; says nothing about {} of the pairs that overlap ({} with {}{})",

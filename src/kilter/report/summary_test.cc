@@ -167,6 +167,13 @@ TEST(Summary, ReasonsThatDifferInNumbersAreCountedTogether) {
 TEST(Summary, SaysWhatTheCertificateLeavesOut) {
   Result result = testing::small_result();
   EXPECT_THAT(summary(result), HasSubstr("Certified   consistent to 0.22 m at 95 %; says nothing about 1 of"));
+  const auto said_of = [&](double certificate_m) {
+    result.system.certificate_m = certificate_m;
+    return summary(result);
+  };
+  EXPECT_THAT(said_of(0.0036), HasSubstr("consistent to 0.01 m at 95 %")) << "never less than it is";
+  EXPECT_THAT(said_of(0.2204), HasSubstr("consistent to 0.23 m at 95 %"));
+  EXPECT_THAT(said_of(0.29), HasSubstr("consistent to 0.29 m at 95 %"));
   result.system.certificate_m.reset();
   EXPECT_THAT(summary(result), HasSubstr("Certified   none"));
 }
