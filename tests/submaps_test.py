@@ -118,6 +118,13 @@ class Submaps(unittest.TestCase):
         self.assertEqual(bytes_below(folder / "b"), before)
         self.assertEqual(run_kilter(*alone, "--quiet").stderr, "")
 
+    def test_the_folder_of_a_robot_is_none_for_submaps_of_others(self):
+        before = sorted(self.tiny.mission.rglob("*"))
+        run = run_kilter("submaps", self.tiny.mission, "-o", self.tiny.mission / "a", "--replace")
+        self.assertEqual((run.status, run.stdout), (2, ""))
+        self.assertIn(f"usage: -o {self.tiny.mission / 'a'}: this is a robot's own folder", run.stderr)
+        self.assertEqual(sorted(self.tiny.mission.rglob("*")), before)
+
     def test_folders_of_others_are_refused(self):
         run = run_kilter("submaps", self.tiny.mission, "-o", self.tiny.mission)
         self.assertEqual((run.status, run.stdout), (2, ""))

@@ -98,6 +98,10 @@ Done<Job> open_job(const SubmapsCommand& command) {
   if (!cuts) return failed(cuts.error());
   job.cuts = *std::move(cuts);
   if (auto fit = probe_output_folder(command.output_folder, {kPoseGraph}); !fit) return failed(fit.error(), true);
+  if (is_robot_folder(command.output_folder)) {
+    return failed({ErrorCode::kUsage, "this is a robot's own folder, below which check looks for no other robots",
+                   "-o " + shown(command.output_folder), "name another folder with -o"});
+  }
   for (const RobotLog& robot : job.mission.robots) {
     if (auto fit = check_robot_folder(folder_of(command, robot), command.replace); !fit) {
       return failed(fit.error(), fit.error().code != ErrorCode::kUsage);
