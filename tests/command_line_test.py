@@ -60,6 +60,13 @@ class Help(unittest.TestCase):
             self.assertEqual((run.status, run.stdout), (2, ""), run.stderr)
             self.assertRegex(run.stderr, rf"^usage: .*\n  try: {re.escape(part)}\n$")
 
+    def test_options_before_the_command_are_sent_behind_it(self):
+        for arguments, option, hint in ((("-o", "out", "check", "x"), "-o", "kilter check ... -o"),
+                                        (("--quiet", "info", "x"), "--quiet", "kilter info ... --quiet")):
+            run = run_kilter(*arguments)
+            self.assertEqual((run.status, run.stdout), (2, ""))
+            self.assertRegex(run.stderr, rf'^usage: "{option}" stands before the command, .*\n  try: {re.escape(hint)}\n$')
+
     def test_words_are_listed_where_another_or_a_number_is_given(self):
         for command, option, words in (("check x", "--fail-on", "inconsistent, undetermined or never"),
                                        ("check x", "--g2o-dialect", "g2o, gtsam or ceres"),

@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: The kilter authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
 #include <csignal>
 #include <exception>
 #include <new>
@@ -34,18 +35,37 @@ constexpr const char* kExamples = R"(Examples:
 Exit status of check: 0 consistent, 1 inconsistent, 4 undetermined;
 of all commands: 2 usage or configuration, 3 unusable input, 5 memory, disk or internal.)";
 
+std::vector<std::string> command_names(const CLI::App& program) {
+  std::vector<std::string> names;
+  for (const CLI::App* command : program.get_subcommands(nullptr)) names.push_back(command->get_name());
+  return names;
+}
+
+// An option that a command takes, before that command.
+std::optional<Error> find_early_option(const CLI::App& program, int argc, char** argv) {
+  const std::string word = argv[1];
+  if (program.get_option_no_throw(word) != nullptr) return std::nullopt;
+  const std::vector<std::string> names = command_names(program);
+  for (int i = 2; i < argc; ++i) {
+    if (std::find(names.begin(), names.end(), argv[i]) == names.end()) continue;
+    return Error{
+        ErrorCode::kUsage,
+        fmt::format("\"{}\" stands before the command, where only --help and --version do", printable(word, 80)),
+        {},
+        fmt::format("kilter {} ... {}", argv[i], printable(word, 80))};
+  }
+  return std::nullopt;
+}
+
 // A first word that is no command: better than CLI11's own message, it knows what was meant.
 std::optional<Error> find_unknown_command(const CLI::App& program, int argc, char** argv) {
   if (argc < 2) {
     return Error{ErrorCode::kUsage, "expected a command", {}, "kilter --help"};
   }
   const std::string word = argv[1];
-  if (word.starts_with("-")) return std::nullopt;
-  std::vector<std::string> names;
-  for (const CLI::App* command : program.get_subcommands(nullptr)) {
-    if (command->get_name() == word) return std::nullopt;
-    names.push_back(command->get_name());
-  }
+  if (word.starts_with("-")) return find_early_option(program, argc, argv);
+  const std::vector<std::string> names = command_names(program);
+  if (std::find(names.begin(), names.end(), word) != names.end()) return std::nullopt;
   const std::string nearest = nearest_name(word, names);
   return Error{ErrorCode::kUsage,
                fmt::format("there is no command \"{}\"", printable(word, 80)),
