@@ -43,6 +43,12 @@ class OutputFolder(CheckCase):
         self.assertNotIn("submaps", run.stderr)
         self.assertEqual(self.out.read_text(), "mine")
 
+    def test_a_name_that_the_disk_does_not_take_is_refused_in_its_words(self):
+        for command in ("check", "submaps"):
+            run = run_kilter(command, self.tiny.mission, "-o", self.tiny.folder / ("x" * 300), "--verbose")
+            self.assertEqual((run.status, run.stdout), (5, ""))
+            self.assertRegex(run.stderr, r"(?m)^io: .*x: nothing can be written there: File name too long$")
+
     @unittest.skipUnless(os.path.isdir("/proc/self"), "there is no /proc here")
     def test_a_folder_that_cannot_be_made_is_found_out_before_any_work(self):
         for command in ("check", "submaps", "simulate"):

@@ -43,8 +43,11 @@ Expected<void> probe_output_folder(const fs::path& folder, const std::vector<fs:
     existing = existing.parent_path();
   }
   if (existing.empty()) existing = ".";
-  if (!fs::is_directory(existing, error))
+  const fs::file_type found = fs::status(existing, error).type();
+  if (found == fs::file_type::none) return refuse(existing, "nothing can be written there: " + error.message());
+  if (found != fs::file_type::directory) {
     return refuse(existing, "expected a folder to write to, found something else");
+  }
   for (const fs::path& name : names) {
     if (auto fit = check_name(folder, name); !fit) return fit;
   }
