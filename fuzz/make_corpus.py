@@ -339,6 +339,13 @@ def layouts(little):
           "FIX 0\nEDGE_SE3:QUAT 0 1 1 0 0 0 0 0 1\n")
     write("g2o/planar", "VERTEX_SE2 0 0 0 0\n")
     write("g2o/twice", "\ufeff" + vertex % 7 + "# again\r\n" + vertex % 7)
+    four = "".join(vertex % i for i in (2, 0, 3, 1))
+    cuts = ('{"schema":"kilter.result/1","submaps":[{"robot":"a","first_scan":0,"last_scan":3},'
+            '{"robot":"a","first_scan":4,"last_scan":%d}]}')
+    write("submap_poses/fits", four + "EDGE_SE3:QUAT 0 1 1 0 0 0 0 0 1\n")
+    write("submap_poses/cut", four + "\0" + cuts % 5)
+    write("submap_poses/other_scans", four + "\0" + cuts % 6)
+    write("submap_poses/too_few", vertex % 0 + vertex % 4)
     write("pose_list/tum", "# timestamp tx ty tz qx qy qz qw\n1403636579.763555584 1 2 3 0 0 0 1\n"
           "1.4e+09 1 2 3 0 0 0 1\n")
     write("pose_list/kitti", "1 0 0 1 0 1 0 2 0 0 1 3\n")
