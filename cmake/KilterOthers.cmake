@@ -36,6 +36,17 @@ function(kilter_find_pcl)
     LIBRARIES pcl_io pcl_io_ply pcl_common)
 endfunction()
 
+# Debian: libpcl-dev again.
+function(kilter_find_pcl_kdtree)
+  kilter_find_other(pcl_kdtree HEADERS pcl/kdtree/kdtree_flann.h flann/flann.hpp
+    FOLDERS pcl-1.15 pcl-1.14 pcl-1.13 pcl-1.12 LIBRARIES pcl_kdtree pcl_common flann_cpp lz4)
+endfunction()
+
+# Debian: libdynamicedt3d-dev.
+function(kilter_find_dynamic_edt)
+  kilter_find_other(dynamic_edt HEADERS dynamicEDT3D/dynamicEDTOctomap.h LIBRARIES dynamicedt3d octomap octomath)
+endfunction()
+
 # Debian: libopen3d-dev.
 function(kilter_find_open3d)
   kilter_find_other(open3d HEADERS open3d/io/PointCloudIO.h LIBRARIES Open3D fmt)
