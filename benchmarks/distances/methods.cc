@@ -60,19 +60,19 @@ Method by_field(const Side& source, const Side& target) {
   return {"kilter, field", [&, state = std::make_shared<std::unique_ptr<State>>()](
                                std::span<const Pose3> poses, std::vector<float>& distances_m, bool build) {
             if (build || !*state) *state = std::make_unique<State>(source, target);
-            constexpr std::size_t kBatch = 64;
             std::vector<std::uint32_t> numbers(source.points_m.size());
             std::iota(numbers.begin(), numbers.end(), 0U);
-            std::vector<Eigen::Vector3d> at_m(kBatch);
-            std::vector<NearestVoxel> found(kBatch);
+            PointColumns at_m;
+            RepeatedSearch::Found found;
             for (const Pose3& pose : poses) {
               const Eigen::Isometry3d T = pose.isometry();
-              for (std::size_t first = 0; first < numbers.size(); first += kBatch) {
-                const auto batch = std::span(numbers).subspan(first, std::min(kBatch, numbers.size() - first));
-                for (std::size_t k = 0; k < batch.size(); ++k) at_m[k] = moved(T, source.points_m[batch[k]]);
-                (*state)->repeated.near(batch, std::span(at_m).first(batch.size()), kLimit_m, found);
+              for (std::size_t first = 0; first < numbers.size(); first += PointColumns::kMost) {
+                const auto batch =
+                    std::span(numbers).subspan(first, std::min(PointColumns::kMost, numbers.size() - first));
+                for (std::size_t k = 0; k < batch.size(); ++k) at_m.set(k, moved(T, source.points_m[batch[k]]));
+                (*state)->repeated.near(batch, at_m, kLimit_m, found);
                 for (std::size_t k = 0; k < batch.size(); ++k) {
-                  distances_m[batch[k]] = found[k].voxel == kNoVoxel ? kNone : static_cast<float>(found[k].distance_m);
+                  distances_m[batch[k]] = found.voxel[k] == kNoVoxel ? kNone : static_cast<float>(found.distance_m[k]);
                 }
               }
             }

@@ -93,8 +93,18 @@ std::string field_look_up(VectorPath path) {
   std::vector<std::uint32_t> numbers(points_m.size());
   std::iota(numbers.begin(), numbers.end(), 0U);
   kilter::RepeatedSearch search(scene.target, points_m.size());
+  std::vector<kilter::PointColumns> columns(points_m.size() / kilter::PointColumns::kMost + 1);
+  for (std::size_t i = 0; i < points_m.size(); ++i) {
+    columns[i / kilter::PointColumns::kMost].set(i % kilter::PointColumns::kMost, points_m[i]);
+  }
   const auto look_up = [&](std::vector<kilter::NearestVoxel>& found) {
-    search.near(numbers, points_m, kReach_m, found);
+    kilter::RepeatedSearch::Found near;
+    for (std::size_t first = 0; first < numbers.size(); first += kilter::PointColumns::kMost) {
+      const auto batch =
+          std::span(numbers).subspan(first, std::min(kilter::PointColumns::kMost, numbers.size() - first));
+      search.near(batch, columns[first / kilter::PointColumns::kMost], kReach_m, near);
+      for (std::size_t k = 0; k < batch.size(); ++k) found[first + k] = {near.voxel[k], near.distance_m[k]};
+    }
   };
   std::vector<kilter::NearestVoxel> first(points_m.size());
   look_up(first);

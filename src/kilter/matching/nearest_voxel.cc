@@ -28,6 +28,7 @@ NearestVoxelSearch::NearestVoxelSearch(const VoxelMap& map, VoxelPosition positi
     : map_(&map),
       position_(position),
       max_distance_m_(max_distance_m),
+      path_(path),
       points_(map.voxels().size()),
       of_block_(map.blocks().size()),
       scan_(scan_clusters_with(path)) {
@@ -122,7 +123,7 @@ std::optional<NearestVoxel> NearestVoxelSearch::nearest(const Eigen::Vector3d& p
 const NearestVoxelField* NearestVoxelSearch::field() const {
   std::call_once(field_->asked, [&] {
     if (!NearestVoxelField::fits(*map_, max_distance_m_)) return;
-    field_->field = std::make_unique<const NearestVoxelField>(*map_, max_distance_m_);
+    field_->field = std::make_unique<const NearestVoxelField>(*map_, max_distance_m_, path_);
     field_->made.store(field_->field.get(), std::memory_order_release);
   });
   return field_->field.get();
@@ -235,42 +236,37 @@ RepeatedSearch::RepeatedSearch(const NearestVoxelSearch& search, std::size_t poi
   if (exact()) last_.assign(points, kNoVoxel);
 }
 
-void RepeatedSearch::near(std::span<const std::uint32_t> points, std::span<const Eigen::Vector3d> at_m, double limit_m,
-                          std::span<NearestVoxel> found) {
+void RepeatedSearch::near(std::span<const std::uint32_t> points, const PointColumns& at_m, double limit_m,
+                          Found& found) {
   KILTER_EXPECTS(limit_m <= search().max_distance_m() * (1.0 + 1e-12));
+  KILTER_EXPECTS(points.size() <= PointColumns::kMost);
   if (!exact()) {
-    for (std::size_t k = 0; k < at_m.size(); k += kBatch) {
-      const std::size_t count = std::min(kBatch, at_m.size() - k);
-      look_up(at_m.subspan(k, count), limit_m, found.subspan(k, count));
-    }
+    look_up(at_m, points.size(), limit_m, found);
     return;
   }
-  for (std::size_t k = 0; k < at_m.size(); ++k) {
+  for (std::size_t k = 0; k < points.size(); ++k) {
     std::uint32_t& last = last_[points[k]];
     const std::optional<NearestVoxel> nearest = cursor_.nearest(at_m[k], limit_m, last);
     if (nearest) last = nearest->voxel;
-    found[k] = nearest.value_or(NearestVoxel{kNoVoxel, 0.0});
+    found.voxel[k] = nearest ? nearest->voxel : kNoVoxel;
+    found.distance_m[k] = nearest ? nearest->distance_m : 0.0;
   }
 }
 
-void RepeatedSearch::look_up(std::span<const Eigen::Vector3d> at_m, double limit_m,
-                             std::span<NearestVoxel> found) const {
+void RepeatedSearch::look_up(const PointColumns& at_m, std::size_t count, double limit_m, Found& found) const {
   const VoxelMap& map = search().map();
-  std::array<const std::uint32_t*, kBatch> where{};
-  for (std::size_t k = 0; k < at_m.size(); ++k) {
-    where[k] = field_->where(at_m[k]);
-    __builtin_prefetch(where[k]);
+  NearestVoxelField::Wheres where;
+  field_->where(at_m, count, where);
+  for (std::size_t k = 0; k < count; ++k) {
+    found.voxel[k] = *where[k];
+    if (found.voxel[k] == kNoVoxel) continue;
+    __builtin_prefetch(&map.voxels().centroids_m[found.voxel[k]]);
+    __builtin_prefetch(&map.voxels().normals[found.voxel[k]]);
   }
-  for (std::size_t k = 0; k < at_m.size(); ++k) {
-    found[k].voxel = *where[k];
-    if (found[k].voxel == kNoVoxel) continue;
-    __builtin_prefetch(&map.voxels().centroids_m[found[k].voxel]);
-    __builtin_prefetch(&map.voxels().normals[found[k].voxel]);
-  }
-  for (std::size_t k = 0; k < at_m.size(); ++k) {
-    if (found[k].voxel == kNoVoxel) continue;
-    found[k].distance_m = (voxel_position_m(map, found[k].voxel, search().position()) - at_m[k]).norm();
-    if (found[k].distance_m > limit_m) found[k].voxel = kNoVoxel;
+  for (std::size_t k = 0; k < count; ++k) {
+    if (found.voxel[k] == kNoVoxel) continue;
+    found.distance_m[k] = (voxel_position_m(map, found.voxel[k], search().position()) - at_m[k]).norm();
+    if (found.distance_m[k] > limit_m) found.voxel[k] = kNoVoxel;
   }
 }
 

@@ -58,6 +58,7 @@ class NearestVoxelSearch {
   [[nodiscard]] const VoxelMap& map() const { return *map_; }
   [[nodiscard]] VoxelPosition position() const { return position_; }
   [[nodiscard]] double max_distance_m() const { return max_distance_m_; }
+  [[nodiscard]] VectorPath path() const { return path_; }
   /// Memory held by now, the field's included and the map's own left out. Grows with what was asked of the field.
   /// [bytes]
   [[nodiscard]] std::size_t bytes() const;
@@ -90,6 +91,7 @@ class NearestVoxelSearch {
   const VoxelMap* map_;
   VoxelPosition position_;
   double max_distance_m_;
+  VectorPath path_;
   ClusteredPoints points_;  // clusters of a block one after the other, blocks as in the map
   std::vector<Cluster> clusters_;
   std::vector<ClusterRange> of_block_;
@@ -151,11 +153,16 @@ class RepeatedSearch {
   /// \param points  how many points will ask. The search must outlive it.
   RepeatedSearch(const NearestVoxelSearch& search, std::size_t points);
 
-  /// For each of the points number points[k], which now are at at_m[k] in the map's frame, a voxel no farther than
-  /// `limit_m` (<= the search's max_distance_m): the nearest one, or by the field one that is not much farther. Goes to
-  /// found[k], with kNoVoxel where nothing is near. Many at once wait for memory once, not point by point.
-  void near(std::span<const std::uint32_t> points, std::span<const Eigen::Vector3d> at_m, double limit_m,
-            std::span<NearestVoxel> found);
+  /// What is near each point of a batch: kNoVoxel, or a voxel and how far it is.
+  struct Found {
+    std::array<std::uint32_t, PointColumns::kMost> voxel;
+    alignas(64) std::array<double, PointColumns::kMost> distance_m;
+  };
+
+  /// For each of the points number points[k], at most PointColumns::kMost, which now are at at_m[k] in the map's frame,
+  /// a voxel no farther than `limit_m` (<= the search's max_distance_m): the nearest one, or by the field one that is
+  /// not much farther. Many at once wait for memory once, not point by point.
+  void near(std::span<const std::uint32_t> points, const PointColumns& at_m, double limit_m, Found& found);
 
   /// Whether answers are those of NearestVoxelSearch::nearest.
   [[nodiscard]] bool exact() const { return field_ == nullptr; }
@@ -164,8 +171,7 @@ class RepeatedSearch {
   [[nodiscard]] NearestVoxelCursor& cursor() { return cursor_; }
 
  private:
-  static constexpr std::size_t kBatch = 32;
-  void look_up(std::span<const Eigen::Vector3d> at_m, double limit_m, std::span<NearestVoxel> found) const;
+  void look_up(const PointColumns& at_m, std::size_t count, double limit_m, Found& found) const;
 
   const NearestVoxelField* field_;
   NearestVoxelCursor cursor_;

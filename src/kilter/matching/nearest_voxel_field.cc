@@ -203,6 +203,58 @@ void compute_baseline(const Window& window, std::array<std::uint32_t, kBlockVoxe
 }
 #endif
 
+// Where each point of a batch reads: the block's slot in the table, or kOutside, and the bit of its cell.
+struct CellPlaces {
+  static constexpr std::int32_t kOutside = -1;
+  alignas(64) std::array<std::int32_t, PointColumns::kMost> slot;
+  alignas(64) std::array<std::int32_t, PointColumns::kMost> bit;
+};
+
+// voxel_at() of one coordinate, without the call that rounding down is on processors of old.
+[[gnu::always_inline]] inline std::int32_t cell_on_axis(double coordinate_m, double per_metre) {
+  const double scaled = coordinate_m * per_metre;
+  const auto truncated = static_cast<std::int32_t>(scaled);
+  return truncated - (static_cast<double>(truncated) > scaled ? 1 : 0);
+}
+
+// Plain arithmetic: the compiler makes registers of it.
+[[gnu::always_inline]] inline void find_places(const PointColumns& points_m, std::size_t count, double per_metre,
+                                               const Eigen::Vector3i& low, const Eigen::Vector3i& size,
+                                               CellPlaces& places) {
+  const std::array<std::int32_t, 3> from = {low.x(), low.y(), low.z()};
+  const std::array<std::uint32_t, 3> blocks = {
+      static_cast<std::uint32_t>(size.x()), static_cast<std::uint32_t>(size.y()), static_cast<std::uint32_t>(size.z())};
+  constexpr std::int32_t kInside = kBlockSize - 1;
+  for (std::size_t k = 0; k < count; ++k) {
+    const std::int32_t x = cell_on_axis(points_m.x[k], per_metre);
+    const std::int32_t y = cell_on_axis(points_m.y[k], per_metre);
+    const std::int32_t z = cell_on_axis(points_m.z[k], per_metre);
+    const auto block_x = static_cast<std::uint32_t>((x >> kBlockShift) - from[0]);
+    const auto block_y = static_cast<std::uint32_t>((y >> kBlockShift) - from[1]);
+    const auto block_z = static_cast<std::uint32_t>((z >> kBlockShift) - from[2]);
+    const auto slot = static_cast<std::int32_t>((block_z * blocks[1] + block_y) * blocks[0] + block_x);
+    // One comparison a line: g++ 12 makes single steps of a condition that joins several.
+    std::int32_t found = block_x < blocks[0] ? slot : CellPlaces::kOutside;
+    found = block_y < blocks[1] ? found : CellPlaces::kOutside;
+    found = block_z < blocks[2] ? found : CellPlaces::kOutside;
+    places.slot[k] = found;
+    places.bit[k] = (x & kInside) | (y & kInside) << kBlockShift | (z & kInside) << (2 * kBlockShift);
+  }
+}
+
+void find_places_baseline(const PointColumns& points_m, std::size_t count, double per_metre, const Eigen::Vector3i& low,
+                          const Eigen::Vector3i& size, CellPlaces& places) {
+  find_places(points_m, count, per_metre, low, size, places);
+}
+
+#if defined(__x86_64__)
+[[gnu::target("avx2")]] void find_places_avx2(const PointColumns& points_m, std::size_t count, double per_metre,
+                                              const Eigen::Vector3i& low, const Eigen::Vector3i& size,
+                                              CellPlaces& places) {
+  find_places(points_m, count, per_metre, low, size, places);
+}
+#endif
+
 }  // namespace
 
 bool NearestVoxelField::fits(const VoxelMap& map, double reach_m) {
@@ -225,12 +277,44 @@ NearestVoxelField::NearestVoxelField(const VoxelMap& map, double reach_m, Vector
   if (table_ == nullptr) throw std::bad_alloc();
 }
 
-const NearestVoxelField::Block& NearestVoxelField::build(const Eigen::Vector3i& at) const {
+std::uint32_t NearestVoxelField::near(const Eigen::Vector3d& point_m) const {
+  PointColumns alone;
+  alone.set(0, point_m);
+  Wheres found;
+  where(alone, 1, found);
+  return *found[0];
+}
+
+void NearestVoxelField::where(const PointColumns& points_m, std::size_t count, Wheres& wheres) const {
+  CellPlaces places;
+  const double per_metre = 1.0 / map_->resolution_m();
+#if defined(__x86_64__)
+  if (path_ != VectorPath::kBaseline) {
+    find_places_avx2(points_m, count, per_metre, low_, size_, places);
+  } else {
+    find_places_baseline(points_m, count, per_metre, low_, size_, places);
+  }
+#else
+  find_places_baseline(points_m, count, per_metre, low_, size_, places);
+#endif
+  for (std::size_t k = 0; k < count; ++k) {
+    const std::int32_t slot = places.slot[k];
+    wheres[k] = &kNoVoxel;
+    if (slot == CellPlaces::kOutside) continue;
+    const Block* block = std::atomic_ref(table_[static_cast<std::size_t>(slot)]).load(std::memory_order_acquire);
+    if (block == nullptr) block = &build(slot);
+    wheres[k] = &block->voxels[static_cast<std::size_t>(places.bit[k])];
+    __builtin_prefetch(wheres[k]);
+  }
+}
+
+const NearestVoxelField::Block& NearestVoxelField::build(std::int32_t slot) const {
   static const Block kNothingNear = [] {
     Block block{};
     block.voxels.fill(kNoVoxel);
     return block;
   }();
+  const Eigen::Vector3i at(slot % size_.x(), slot / size_.x() % size_.y(), slot / (size_.x() * size_.y()));
   const Window window(*map_, low_ + at, reach_);
   std::unique_ptr<Block> built;
   if (!window.empty) {
@@ -245,7 +329,7 @@ const NearestVoxelField::Block& NearestVoxelField::build(const Eigen::Vector3i& 
     compute_baseline(window, built->voxels);
 #endif
   }
-  const std::atomic_ref<const Block*> place = slot(at);
+  const std::atomic_ref<const Block*> place(table_[static_cast<std::size_t>(slot)]);
   const std::lock_guard lock(building_);
   if (const Block* others = place.load(std::memory_order_relaxed); others != nullptr) return *others;
   const Block* block = &kNothingNear;

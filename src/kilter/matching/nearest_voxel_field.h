@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "kilter/base/vector_path.h"
+#include "kilter/matching/point_columns.h"
 #include "kilter/occupancy/voxel_map.h"
 
 namespace kilter {
@@ -37,17 +38,11 @@ class NearestVoxelField {
   NearestVoxelField(const VoxelMap& map, double reach_m, VectorPath path = vector_paths().back());
 
   /// A voxel near a point of the map's frame, or kNoVoxel: then no voxel's point is within reach_m of it.
-  [[nodiscard]] std::uint32_t near(const Eigen::Vector3d& point_m) const { return *where(point_m); }
+  [[nodiscard]] std::uint32_t near(const Eigen::Vector3d& point_m) const;
 
-  /// Where near() reads what it says, for who can fetch that while doing something else. Stays valid.
-  [[nodiscard]] const std::uint32_t* where(const Eigen::Vector3d& point_m) const {
-    const VoxelIndex cell = voxel_at(point_m, map_->resolution_m());
-    const Eigen::Vector3i at = block_of(cell) - low_;
-    if ((at.array() < 0).any() || (at.array() >= size_.array()).any()) return &kNoVoxel;
-    const Block* block = slot(at).load(std::memory_order_acquire);
-    if (block == nullptr) block = &build(at);
-    return &block->voxels[static_cast<std::size_t>(bit_of(cell))];
-  }
+  /// Where near() reads what it says of the first `count` points; on its way into the cache. Stays valid.
+  using Wheres = std::array<const std::uint32_t*, PointColumns::kMost>;
+  void where(const PointColumns& points_m, std::size_t count, Wheres& wheres) const;
 
   /// Memory that blocks and the pages of their table hold by now; depends on what was asked. [bytes]
   [[nodiscard]] std::size_t bytes() const;
@@ -61,13 +56,7 @@ class NearestVoxelField {
     void operator()(void* memory) const { std::free(memory); }  // NOLINT(cppcoreguidelines-no-malloc): calloc's
   };
 
-  [[nodiscard]] std::atomic_ref<const Block*> slot(const Eigen::Vector3i& at) const {
-    return std::atomic_ref(table_[(static_cast<std::size_t>(at.z()) * static_cast<std::size_t>(size_.y()) +
-                                   static_cast<std::size_t>(at.y())) *
-                                      static_cast<std::size_t>(size_.x()) +
-                                  static_cast<std::size_t>(at.x())]);
-  }
-  const Block& build(const Eigen::Vector3i& at) const;
+  const Block& build(std::int32_t slot) const;
 
   const VoxelMap* map_;
   int reach_;  // cells between the centres of a point's cell and of its voxel

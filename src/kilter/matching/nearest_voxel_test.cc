@@ -91,9 +91,12 @@ TEST(NearestVoxelSearch, EmptyMapHasNoNearest) {
 
 std::optional<NearestVoxel> near_one(RepeatedSearch& search, std::uint32_t point, const Eigen::Vector3d& at_m,
                                      double limit_m) {
-  NearestVoxel found;
-  search.near({&point, 1}, {&at_m, 1}, limit_m, {&found, 1});
-  return found.voxel == kNoVoxel ? std::nullopt : std::optional(found);
+  PointColumns points_m;
+  points_m.set(0, at_m);
+  RepeatedSearch::Found found;
+  search.near({&point, 1}, points_m, limit_m, found);
+  if (found.voxel[0] == kNoVoxel) return std::nullopt;
+  return NearestVoxel{found.voxel[0], found.distance_m[0]};
 }
 
 TEST(RepeatedSearch, TakesTheFieldsWordWithinTheLimit) {
@@ -124,22 +127,26 @@ TEST(RepeatedSearch, ManyAtOnceAreAsEachAlone) {
   const NearestVoxelSearch search(map, VoxelPosition::kCentroid, 1.0);
   RepeatedSearch repeated(search, 1);
   Rng rng(5, 3);
-  std::vector<Eigen::Vector3d> at_m;
-  for (int k = 0; k < 301; ++k) at_m.emplace_back(rng.uniform(-5, 5), rng.uniform(-5, 5), rng.uniform(-2, 2));
-  const std::vector<std::uint32_t> numbers(at_m.size(), 0);
-  std::vector<NearestVoxel> found(at_m.size());
-  repeated.near(numbers, at_m, 0.4, found);
   std::size_t none = 0;
-  for (std::size_t k = 0; k < at_m.size(); ++k) {
-    const auto alone = near_one(repeated, 0, at_m[k], 0.4);
-    ASSERT_EQ(found[k].voxel, alone ? alone->voxel : kNoVoxel);
-    if (alone) {
-      EXPECT_EQ(found[k].distance_m, alone->distance_m);
+  std::size_t asked = 0;
+  for (std::size_t count = 1; count <= PointColumns::kMost; ++count) {
+    PointColumns at_m;
+    for (std::size_t k = 0; k < count; ++k) at_m.set(k, {rng.uniform(-5, 5), rng.uniform(-5, 5), rng.uniform(-2, 2)});
+    const std::vector<std::uint32_t> numbers(count, 0);
+    RepeatedSearch::Found found;
+    repeated.near(numbers, at_m, 0.4, found);
+    for (std::size_t k = 0; k < count; ++k) {
+      const auto alone = near_one(repeated, 0, at_m[k], 0.4);
+      ASSERT_EQ(found.voxel[k], alone ? alone->voxel : kNoVoxel);
+      if (alone) {
+        EXPECT_EQ(found.distance_m[k], alone->distance_m);
+      }
+      none += alone ? 0U : 1U;
     }
-    none += alone ? 0U : 1U;
+    asked += count;
   }
-  EXPECT_GT(none, 30U);
-  EXPECT_LT(none, 270U);
+  EXPECT_GT(none, asked / 10);
+  EXPECT_LT(none, asked - asked / 10);
 }
 
 TEST(NearestVoxelSearch, CountsWhatItsFieldHoldsByNow) {

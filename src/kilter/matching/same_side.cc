@@ -7,8 +7,6 @@
 namespace kilter {
 namespace {
 
-constexpr double kLeastAgreement = 0.6;  // cosine between normals of one surface
-
 std::size_t count_one_way(const SurfaceVoxels& from, const SurfaceVoxels& onto, const Pose3& T_onto_from,
                           const std::vector<NearestVoxel>& near, bool oriented) {
   const Eigen::Matrix3d R = T_onto_from.isometry().linear();

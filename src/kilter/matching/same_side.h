@@ -9,6 +9,9 @@
 
 namespace kilter {
 
+/// Cosine between normals of one surface, at least: 53 degrees.
+inline constexpr double kLeastAgreement = 0.6;
+
 /// Whether surfaces of these normals, in one frame, may be the same: within 53 degrees, or one of them unknown (zero).
 /// Normals point towards the sensor where there was one (`oriented`); points alone leave the sign open.
 [[nodiscard]] bool normals_agree(const Eigen::Vector3d& a, const Eigen::Vector3d& b, bool oriented);
