@@ -113,22 +113,58 @@ void Window::add(const VoxelBlock& block, const Eigen::Vector3i& offset, Around&
   }
 }
 
+// Of eight cells in a row, some of which are occupied: where the nearest one is that is not to the right of each, or
+// not to its left; kNoCell where there is none.
+struct NearestOfEight {
+  static constexpr std::int8_t kNoCell = 127;
+  using Cells = std::int8_t __attribute__((vector_size(kBlockSize)));
+  using All = std::array<std::array<std::int8_t, kBlockSize>, 1 << kBlockSize>;
+  All left{};   // -kNoCell for none
+  All right{};  // kNoCell for none
+};
+
+constexpr NearestOfEight kNearestOfEight = [] {
+  NearestOfEight nearest;
+  for (std::size_t bits = 0; bits < nearest.left.size(); ++bits) {
+    std::int8_t left = -NearestOfEight::kNoCell;
+    std::int8_t right = NearestOfEight::kNoCell;
+    for (std::int8_t x = 0; x < kBlockSize; ++x) {
+      const auto from_end = static_cast<std::int8_t>(kBlockSize - 1 - x);
+      if ((bits >> x & 1) != 0) left = x;
+      if ((bits >> from_end & 1) != 0) right = from_end;
+      nearest.left[bits][static_cast<std::size_t>(x)] = left;
+      nearest.right[bits][static_cast<std::size_t>(from_end)] = right;
+    }
+  }
+  return nearest;
+}();
+
+[[gnu::always_inline]] inline void widen(const std::array<std::int8_t, kBlockSize>& cells, Row& row) {
+  NearestOfEight::Cells bytes;
+  std::memcpy(&bytes, cells.data(), sizeof(bytes));
+  row = __builtin_convertvector(bytes, Row);
+}
+
 // The nearest occupied cell of one row for each cell of the block's eight columns; the left one of two.
 [[gnu::always_inline]] inline void nearest_in_row(std::uint64_t bits, int reach, Row& row) {
-  std::array<std::int32_t, kBlockSize> keys{};
-  constexpr int kNowhere = 1 << 10;
-  const std::uint64_t below = bits & ((std::uint64_t{2} << reach) - 1);
-  int left = below == 0 ? -kNowhere : 63 - std::countl_zero(below);
-  for (int x = 0; x < kBlockSize; ++x) {
-    const int at = reach + x;
-    if ((bits >> at & 1) != 0) left = at;
-    const std::uint64_t above = bits >> at;
-    const int right = above == 0 ? kNowhere : at + std::countr_zero(above);
-    const int nearest = at - left <= right - at ? left : right;
-    const int off = nearest - at;
-    keys[static_cast<std::size_t>(x)] = off > reach || off < -reach ? kFar : off * off << kSquareShift | nearest;
-  }
-  std::memcpy(&row, keys.data(), sizeof(row));
+  const std::uint64_t before = bits & ((std::uint64_t{1} << reach) - 1);
+  const std::uint64_t behind = bits >> reach >> kBlockSize;
+  const auto inside = static_cast<std::size_t>(bits >> reach & ((1U << kBlockSize) - 1));
+  const int last_before = before == 0 ? -NearestOfEight::kNoCell : 63 - std::countl_zero(before) - reach;
+  const int first_behind = behind == 0 ? NearestOfEight::kNoCell : kBlockSize + std::countr_zero(behind);
+  Row left;
+  Row right;
+  widen(kNearestOfEight.left[inside], left);
+  widen(kNearestOfEight.right[inside], right);
+  left = left > last_before ? left : Row{} + last_before;
+  right = right < first_behind ? right : Row{} + first_behind;
+  constexpr Row kColumns = {0, 1, 2, 3, 4, 5, 6, 7};
+  const Row to_left = kColumns - left;
+  const Row to_right = right - kColumns;
+  const Row nearest = to_left <= to_right ? left : right;
+  const Row off = to_left <= to_right ? to_left : to_right;
+  const Row key = off * off << kSquareShift | (nearest + reach);
+  row = off <= reach ? key : Row{} + kFar;
 }
 
 using Layer = std::array<Row, kBlockSize>;  // the cells of one z
@@ -168,28 +204,39 @@ using Keys = std::array<Layer, kBlockSize>;
   }
 }
 
-// The voxel that a key names, or kNoVoxel.
-[[gnu::always_inline]] inline std::uint32_t voxel_of_key(const Window& window, std::int32_t key) {
-  if (key >> kSquareShift > window.reach * window.reach) return kNoVoxel;
+// The voxels that a row of keys names, or kNoVoxel.
+[[gnu::always_inline]] inline void voxels_of_keys(const Window& window, const Row& keys, std::uint32_t* voxels) {
   // From the first cell of the first block around.
   const int shift = window.ring * kBlockSize - window.reach;
-  const int x = (key & kAxisMask) + shift;
-  const int y = (key >> kAxisBits & kAxisMask) + shift;
-  const int z = (key >> (2 * kAxisBits) & kAxisMask) + shift;
+  const Row x = (keys & kAxisMask) + shift;
+  const Row y = (keys >> kAxisBits & kAxisMask) + shift;
+  const Row z = (keys >> (2 * kAxisBits) & kAxisMask) + shift;
   const int around = window.around();
-  const int number = ((z >> kBlockShift) * around + (y >> kBlockShift)) * around + (x >> kBlockShift);
-  const Window::Around& in = window.blocks[static_cast<std::size_t>(number)];
-  const auto layer = static_cast<std::size_t>(z & (kBlockSize - 1));
-  const std::uint64_t below = (std::uint64_t{1} << (bit_of({x, y, 0}))) - 1;
-  return in.first_voxel[layer] + static_cast<std::uint32_t>(std::popcount(in.block->occupied[layer] & below));
+  constexpr int kInside = kBlockSize - 1;
+  const Row numbers = ((z >> kBlockShift) * around + (y >> kBlockShift)) * around + (x >> kBlockShift);
+  const Row layers = z & kInside;
+  const Row bits = (x & kInside) | (y & kInside) << kBlockShift;
+  const Row squares = keys >> kSquareShift;
+  for (std::size_t i = 0; i < kBlockSize; ++i) {
+    voxels[i] = kNoVoxel;
+    if (squares[i] > window.reach * window.reach) continue;
+    const Window::Around& in = window.blocks[static_cast<std::size_t>(numbers[i])];
+    const auto layer = static_cast<std::size_t>(layers[i]);
+    const std::uint64_t below = (std::uint64_t{1} << bits[i]) - 1;
+    voxels[i] = in.first_voxel[layer] + static_cast<std::uint32_t>(std::popcount(in.block->occupied[layer] & below));
+  }
 }
 
 [[gnu::always_inline]] inline void compute(const Window& window, std::array<std::uint32_t, kBlockVoxels>& voxels) {
   Keys keys;
   transform(window, keys);
-  std::array<std::int32_t, kBlockVoxels> flat{};
-  std::memcpy(flat.data(), keys.data(), sizeof(flat));
-  for (std::size_t i = 0; i < kBlockVoxels; ++i) voxels[i] = voxel_of_key(window, flat[i]);
+  std::uint32_t* to = voxels.data();
+  for (const Layer& layer : keys) {
+    for (const Row& row : layer) {
+      voxels_of_keys(window, row, to);
+      to += kBlockSize;
+    }
+  }
 }
 
 void compute_baseline(const Window& window, std::array<std::uint32_t, kBlockVoxels>& voxels) {
