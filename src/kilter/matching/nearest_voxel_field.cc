@@ -6,6 +6,7 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <functional>
 #include <new>
 #include <numbers>
 
@@ -49,9 +50,10 @@ BlockBox blocks_within(const VoxelMap& map, int reach) {
   return {low, high - low + Eigen::Vector3i::Ones()};
 }
 
-// The occupied cells around a block. Large, and filled in part only: what is not said to be filled is not read.
+// The occupied cells around a block. Large, and filled in part only: what is not said to be filled is not read. All of
+// it becomes part of each kernel, for the sake of its instructions.
 struct Window {
-  Window(const VoxelMap& map, const Eigen::Vector3i& middle, int reach_in_cells);
+  [[gnu::always_inline]] inline Window(const VoxelMap& map, const Eigen::Vector3i& middle, int reach_in_cells);
 
   int reach;
   int ring;  // blocks on each side
@@ -71,7 +73,7 @@ struct Window {
   [[nodiscard]] int around() const { return 2 * ring + 1; }
 
  private:
-  void add(const VoxelBlock& block, const Eigen::Vector3i& offset, Around& around);
+  [[gnu::always_inline]] inline void add(const VoxelBlock& block, const Eigen::Vector3i& offset, Around& around);
 };
 
 // NOLINTNEXTLINE(cppcoreguidelines-pro-type-member-init): zeros that nobody reads cost more than the filling
@@ -227,10 +229,16 @@ using Keys = std::array<Layer, kBlockSize>;
   }
 }
 
-[[gnu::always_inline]] inline void compute(const Window& window, std::array<std::uint32_t, kBlockVoxels>& voxels) {
+using Voxels = std::array<std::uint32_t, kBlockVoxels>;
+
+// The answers of the block `middle`. Makes room for them if there are any.
+[[gnu::always_inline]] inline void compute(const VoxelMap& map, const Eigen::Vector3i& middle, int reach,
+                                           const std::function<Voxels&()>& room) {
+  const Window window(map, middle, reach);
+  if (window.empty) return;
   Keys keys;
   transform(window, keys);
-  std::uint32_t* to = voxels.data();
+  std::uint32_t* to = room().data();
   for (const Layer& layer : keys) {
     for (const Row& row : layer) {
       voxels_of_keys(window, row, to);
@@ -239,14 +247,15 @@ using Keys = std::array<Layer, kBlockSize>;
   }
 }
 
-void compute_baseline(const Window& window, std::array<std::uint32_t, kBlockVoxels>& voxels) {
-  compute(window, voxels);
+void compute_baseline(const VoxelMap& map, const Eigen::Vector3i& middle, int reach,
+                      const std::function<Voxels&()>& room) {
+  compute(map, middle, reach, room);
 }
 
 #if defined(__x86_64__)
-[[gnu::target("avx2,popcnt,lzcnt,bmi")]] void compute_avx2(const Window& window,
-                                                           std::array<std::uint32_t, kBlockVoxels>& voxels) {
-  compute(window, voxels);
+[[gnu::target("avx2,popcnt,lzcnt,bmi")]] void compute_avx2(const VoxelMap& map, const Eigen::Vector3i& middle,
+                                                           int reach, const std::function<Voxels&()>& room) {
+  compute(map, middle, reach, room);
 }
 #endif
 
@@ -362,20 +371,16 @@ const NearestVoxelField::Block& NearestVoxelField::build(std::int32_t slot) cons
     return block;
   }();
   const Eigen::Vector3i at(slot % size_.x(), slot / size_.x() % size_.y(), slot / (size_.x() * size_.y()));
-  const Window window(*map_, low_ + at, reach_);
   std::unique_ptr<Block> built;
-  if (!window.empty) {
+  const auto room = [&]() -> Voxels& {
     built = std::make_unique_for_overwrite<Block>();
+    return built->voxels;
+  };
 #if defined(__x86_64__)
-    if (path_ != VectorPath::kBaseline) {
-      compute_avx2(window, built->voxels);
-    } else {
-      compute_baseline(window, built->voxels);
-    }
+  (path_ == VectorPath::kBaseline ? compute_baseline : compute_avx2)(*map_, low_ + at, reach_, room);
 #else
-    compute_baseline(window, built->voxels);
+  compute_baseline(*map_, low_ + at, reach_, room);
 #endif
-  }
   const std::atomic_ref<const Block*> place(table_[static_cast<std::size_t>(slot)]);
   const std::lock_guard lock(building_);
   if (const Block* others = place.load(std::memory_order_relaxed); others != nullptr) return *others;

@@ -4,10 +4,9 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <map>
 
+#include "kilter/registration/patches.h"
 #include "kilter/registration/sum_jacobians.h"
 
 namespace kilter {
@@ -15,17 +14,11 @@ namespace {
 
 // Below kEnoughShare, what residuals that face the motion add. Clutter of all directions adds up to 0.25 %.
 constexpr double kLeastFacing = 0.003;
-// A plane's points lie in one layer of this thickness along the mean normal of what faces alike. [m]
-constexpr double kLayer_m = 1.0;
 // Where a plane crosses a lattice at a slant, what the cells hide changes within this. [m]
 constexpr double kSlant_m = 8.0;
 constexpr double kSlantShare = 0.5;
 // Below this share of the weight a direction is not fixed by anything.
 constexpr double kNothing = 1e-9;
-
-Vector6 jacobian(const PlaneResidual& r, const NormalEquations& equations) {
-  return equations.unscale.transpose() * plain_jacobian(r, equations.centre_m);
-}
 
 // Principal axes of the points and, for each, the inverse RMS distance of the points from it.
 Matrix6 scaling_of(const Eigen::Matrix3d& scatter_m2) {
@@ -54,71 +47,10 @@ ObservableSplit nothing_fixed() {
   return split;
 }
 
-// Which of the 26 directions of a cell's neighbours a normal is nearest to.
-int facing_of(const Eigen::Vector3d& normal) {
-  constexpr double kTangent = 0.41421356237309503;  // of 22.5 degrees: half way between an axis and a diagonal
-  const double least = kTangent * normal.cwiseAbs().maxCoeff();
-  int facing = 0;
-  for (int axis = 0; axis < 3; ++axis) {
-    facing = 3 * facing + (normal[axis] > least ? 2 : normal[axis] < -least ? 0 : 1);
-  }
-  return facing;
-}
-
-struct Patch {
-  Vector6 gradient = Vector6::Zero();  // sum w J r
-  Vector6 pull = Vector6::Zero();      // sum w J: the gradient that a common offset of 1 m would make
-  double weight = 0.0;                 // sum w
-  double squares_m2 = 0.0;             // sum w r^2
-};
-
-using PatchKey = std::array<int, 4>;
-using Patches = std::map<PatchKey, Patch>;
-
-template <typename KeyOf>
-Patches patches_by(std::span<const PlaneResidual> residuals, const NormalEquations& equations, const KeyOf& key_of) {
-  Patches patches;
-  auto last = patches.end();  // residuals come block by block, so the next is often of the same patch
-  for (const PlaneResidual& r : residuals) {
-    const PatchKey key = key_of(r);
-    if (last == patches.end() || last->first != key) last = patches.try_emplace(key).first;
-    Patch& patch = last->second;
-    const Vector6 pull = r.weight * jacobian(r, equations);
-    patch.pull += pull;
-    patch.gradient += r.residual_m * pull;
-    patch.weight += r.weight;
-    patch.squares_m2 += r.weight * r.residual_m * r.residual_m;
-  }
-  return patches;
-}
-
-// Residuals by cell and facing.
-Patches patches_of(std::span<const PlaneResidual> residuals, const NormalEquations& equations, double cell_m) {
-  return patches_by(residuals, equations, [&](const PlaneResidual& r) -> PatchKey {
-    const Eigen::Vector3i cell = ((r.point_m - equations.centre_m) / cell_m).array().round().matrix().cast<int>();
-    return {cell.z(), cell.y(), cell.x(), facing_of(r.direction)};
-  });
-}
-
-// Residuals by plane: facing, and layer along the mean normal of all that face so. `shift` is in layers, since a plane
-// may lie where two of them meet.
-Patches planes_of(std::span<const PlaneResidual> residuals, const NormalEquations& equations, double shift) {
-  std::map<int, Eigen::Vector3d> normals;
-  for (const PlaneResidual& r : residuals) {
-    normals.try_emplace(facing_of(r.direction), Eigen::Vector3d::Zero()).first->second += r.weight * r.direction;
-  }
-  for (auto& [facing, normal] : normals) normal.normalize();
-  return patches_by(residuals, equations, [&](const PlaneResidual& r) -> PatchKey {
-    const int facing = facing_of(r.direction);
-    const double along_m = normals.at(facing).dot(r.point_m - equations.centre_m);
-    return {0, 0, static_cast<int>(std::floor(along_m / kLayer_m + shift)), facing};
-  });
-}
-
 // The gradients that offsets of 1 m make, each patch's on its own.
-Matrix6 pulls_of(const Patches& patches) {
+Matrix6 pulls_of(std::span<const Patch> patches) {
   Matrix6 pulls = Matrix6::Zero();
-  for (const auto& [key, patch] : patches) pulls += patch.pull * patch.pull.transpose();
+  for (const Patch& patch : patches) pulls += patch.pull * patch.pull.transpose();
   return pulls;
 }
 
@@ -219,10 +151,10 @@ Vector6 solve_observable(const NormalEquations& equations, const ObservableSplit
 
 Matrix6 patch_covariance(std::span<const PlaneResidual> residuals, const NormalEquations& equations,
                          const ObservableSplit& split, double cell_m, double patch_sigma_m) {
-  const Patches patches = patches_of(residuals, equations, cell_m);
+  const std::vector<Patch> patches = patches_of(residuals, equations, cell_m);
   Matrix6 meat = Matrix6::Zero();
   Matrix6 offsets = Matrix6::Zero();
-  for (const auto& [key, patch] : patches) {
+  for (const Patch& patch : patches) {
     meat += patch.gradient * patch.gradient.transpose();
     offsets += patch.pull * patch.pull.transpose();
   }
@@ -234,7 +166,7 @@ Matrix6 patch_covariance(std::span<const PlaneResidual> residuals, const NormalE
 Matrix6 offset_covariance(std::span<const PlaneResidual> residuals, const NormalEquations& equations,
                           const ObservableSplit& split, const PatchOffsets& offsets) {
   Matrix6 meat = Matrix6::Zero();
-  for (const auto& [key, patch] : patches_of(residuals, equations, offsets.cell_m)) {
+  for (const Patch& patch : patches_of(residuals, equations, offsets.cell_m)) {
     if (!(patch.weight > 0.0)) continue;
     const double variance_m2 =
         offsets.of_residuals * patch.squares_m2 / patch.weight + offsets.sigma_m * offsets.sigma_m;
