@@ -266,13 +266,6 @@ struct CellPlaces {
   alignas(64) std::array<std::int32_t, PointColumns::kMost> bit;
 };
 
-// voxel_at() of one coordinate, without the call that rounding down is on processors of old.
-[[gnu::always_inline]] inline std::int32_t cell_on_axis(double coordinate_m, double per_metre) {
-  const double scaled = coordinate_m * per_metre;
-  const auto truncated = static_cast<std::int32_t>(scaled);
-  return truncated - (static_cast<double>(truncated) > scaled ? 1 : 0);
-}
-
 // Plain arithmetic: the compiler makes registers of it.
 [[gnu::always_inline]] inline void find_places(const PointColumns& points_m, std::size_t count, double per_metre,
                                                const Eigen::Vector3i& low, const Eigen::Vector3i& size,
@@ -282,9 +275,9 @@ struct CellPlaces {
       static_cast<std::uint32_t>(size.x()), static_cast<std::uint32_t>(size.y()), static_cast<std::uint32_t>(size.z())};
   constexpr std::int32_t kInside = kBlockSize - 1;
   for (std::size_t k = 0; k < count; ++k) {
-    const std::int32_t x = cell_on_axis(points_m.x[k], per_metre);
-    const std::int32_t y = cell_on_axis(points_m.y[k], per_metre);
-    const std::int32_t z = cell_on_axis(points_m.z[k], per_metre);
+    const std::int32_t x = whole_below(points_m.x[k] * per_metre);
+    const std::int32_t y = whole_below(points_m.y[k] * per_metre);
+    const std::int32_t z = whole_below(points_m.z[k] * per_metre);
     const auto block_x = static_cast<std::uint32_t>((x >> kBlockShift) - from[0]);
     const auto block_y = static_cast<std::uint32_t>((y >> kBlockShift) - from[1]);
     const auto block_z = static_cast<std::uint32_t>((z >> kBlockShift) - from[2]);

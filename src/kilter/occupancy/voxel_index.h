@@ -46,9 +46,17 @@ inline constexpr int kMaxVoxelIndex = 1 << 21;
   return block * kBlockSize + Eigen::Vector3i(bit & 7, bit >> 3 & 7, bit >> 6);
 }
 
+/// The largest whole number that is not above, without the call that rounding down is on processors of old.
+[[nodiscard]] inline std::int32_t whole_below(double value) {
+  const auto truncated = static_cast<std::int32_t>(value);
+  const std::uint32_t above = static_cast<double>(truncated) > value ? 1 : 0;
+  return static_cast<std::int32_t>(static_cast<std::uint32_t>(truncated) - above);
+}
+
 /// Multiplies by 1 / r as OctoMap's keys do: dividing by r decides otherwise on some borders.
 [[nodiscard]] inline VoxelIndex voxel_at(const Eigen::Vector3d& point_m, double resolution_m) {
-  return (point_m * (1.0 / resolution_m)).array().floor().matrix().cast<int>();
+  const Eigen::Vector3d scaled = point_m * (1.0 / resolution_m);
+  return {whole_below(scaled.x()), whole_below(scaled.y()), whole_below(scaled.z())};
 }
 
 [[nodiscard]] inline Eigen::Vector3d voxel_centre(const VoxelIndex& voxel, double resolution_m) {

@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include <set>
 #include <vector>
 
@@ -22,6 +24,14 @@ VoxelMap random_map(std::uint64_t seed, double spread_m, int points) {
   MapBuilder builder({.resolution_m = 0.1});
   builder.insert_points(cloud);
   return builder.finish();
+}
+
+TEST(VoxelIndex, RoundsDownOnBothSidesOfZero) {
+  for (const double value : {-1e6, -7.25, -7.0, -1.0, -1e-300, -0.0, 0.0, 1e-300, 0.999, 1.0, 7.0, 7.25, 1e6}) {
+    EXPECT_EQ(whole_below(value), static_cast<int>(std::floor(value))) << value;
+  }
+  EXPECT_EQ(whole_below(std::nextafter(-3.0, -4.0)), -4);
+  EXPECT_EQ(whole_below(std::nextafter(3.0, 2.0)), 2);
 }
 
 TEST(VoxelIndex, BlockKeysSortByZThenYThenXAndReadBack) {
