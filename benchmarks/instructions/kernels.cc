@@ -156,7 +156,7 @@ struct Path {
   VectorPath path;
 };
 constexpr std::array kPaths = {Path{"baseline", VectorPath::kBaseline}, Path{"avx2", VectorPath::kAvx2},
-                               Path{"avx512", VectorPath::kAvx512}};
+                               Path{"avx512", VectorPath::kAvx512}, Path{"neon", VectorPath::kNeon}};
 
 bool has(VectorPath path) {
   const std::span<const VectorPath> all = kilter::vector_paths();

@@ -145,6 +145,7 @@ double cells_passed(const std::vector<Scan>& scans) {
 
 std::string name_of(VectorPath path) {
   if (path == VectorPath::kAvx512) return "kilter, AVX-512";
+  if (path == VectorPath::kNeon) return "kilter, NEON";
   return path == VectorPath::kAvx2 ? "kilter, AVX2" : "kilter, ray by ray";
 }
 

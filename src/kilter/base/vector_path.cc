@@ -12,6 +12,8 @@ std::vector<VectorPath> paths_of_processor() {
 #if defined(__x86_64__)
   if (__builtin_cpu_supports("avx2")) paths.push_back(VectorPath::kAvx2);
   if (__builtin_cpu_supports("avx512f")) paths.push_back(VectorPath::kAvx512);
+#elif defined(__aarch64__)
+  paths.push_back(VectorPath::kNeon);
 #endif
   return paths;
 }

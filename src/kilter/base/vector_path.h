@@ -12,6 +12,7 @@ enum class VectorPath {
   kBaseline,  ///< registers of 16 bytes, what every 64-bit processor has
   kAvx2,      ///< of 32
   kAvx512,    ///< of 64
+  kNeon,      ///< of 16 too, where a kernel uses more of 64-bit ARM than the baseline does
 };
 
 /// The paths that this processor has, the widest last.

@@ -11,6 +11,8 @@
 
 #if defined(__x86_64__)
 #include <immintrin.h>
+#elif defined(__aarch64__)
+#include <arm_neon.h>
 #endif
 
 namespace kilter {
@@ -131,6 +133,10 @@ namespace avx512 {
 #include "kilter/occupancy/trace_rays_avx512.inc"
 }  // namespace avx512
 KILTER_END_TARGET
+#elif defined(__aarch64__)
+namespace neon {
+#include "kilter/occupancy/trace_rays_neon.inc"
+}  // namespace neon
 #endif
 
 namespace {
@@ -169,6 +175,8 @@ TraceRays trace_rays_with(VectorPath path) {
 #if defined(__x86_64__)
   if (path == VectorPath::kAvx512) return avx512::trace;
   if (path == VectorPath::kAvx2) return avx2::trace;
+#elif defined(__aarch64__)
+  if (path == VectorPath::kNeon) return neon::trace;
 #else
   static_cast<void>(path);
 #endif
