@@ -3,8 +3,10 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "kilter/geometry/pose3.h"
@@ -30,6 +32,22 @@ struct Method {
 
 inline Eigen::Vector3d moved(const Eigen::Isometry3d& T, const Eigen::Vector3f& point_m) {
   return T * point_m.cast<double>();
+}
+
+// A method that makes a State of the target, and asks it for one point after the other.
+template <typename State>
+[[nodiscard]] Method point_by_point(std::string name, const Side& source, const Side& target,
+                                    float (*distance_of)(State& state, const Eigen::Vector3f& at_m)) {
+  return {std::move(name), [&source, &target, distance_of, state = std::make_shared<std::unique_ptr<State>>()](
+                               std::span<const Pose3> poses, std::vector<float>& distances_m, bool build) {
+            if (build || !*state) *state = std::make_unique<State>(target);
+            for (const Pose3& pose : poses) {
+              const Eigen::Isometry3d T = pose.isometry();
+              for (std::size_t i = 0; i < source.points_m.size(); ++i) {
+                distances_m[i] = distance_of(**state, moved(T, source.points_m[i]).cast<float>());
+              }
+            }
+          }};
 }
 
 // What kilter has: exact distances of all voxels together, and of one after the other; and the field that registration

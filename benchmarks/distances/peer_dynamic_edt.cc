@@ -27,22 +27,15 @@ struct State {
   }
 };
 
+float distance_of(State& state, const Eigen::Vector3f& at_m) {
+  const float found_m = state.field->getDistance(octomap::point3d(at_m.x(), at_m.y(), at_m.z()));
+  return found_m < 0.0F || found_m >= static_cast<float>(kLimit_m) ? kNone : found_m;  // -1 is outside
+}
+
 }  // namespace
 
 Method by_dynamic_edt(const Side& source, const Side& target) {
-  return {"dynamicEDT3D", [&, state = std::make_shared<std::unique_ptr<State>>()](
-                              std::span<const Pose3> poses, std::vector<float>& distances_m, bool build) {
-            if (build || !*state) *state = std::make_unique<State>(target);
-            for (const Pose3& pose : poses) {
-              const Eigen::Isometry3d T = pose.isometry();
-              for (std::size_t i = 0; i < source.points_m.size(); ++i) {
-                const Eigen::Vector3f at_m = moved(T, source.points_m[i]).cast<float>();
-                const float found_m = (*state)->field->getDistance(octomap::point3d(at_m.x(), at_m.y(), at_m.z()));
-                distances_m[i] =
-                    found_m < 0.0F || found_m >= static_cast<float>(kLimit_m) ? kNone : found_m;  // -1 is outside
-              }
-            }
-          }};
+  return point_by_point<State>("dynamicEDT3D", source, target, distance_of);
 }
 
 }  // namespace kilter

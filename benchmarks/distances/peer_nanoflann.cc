@@ -1,7 +1,6 @@
 // SPDX-FileCopyrightText: The kilter authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include <cmath>
-#include <memory>
 #include <nanoflann.hpp>
 
 #include "methods.h"
@@ -30,26 +29,20 @@ struct State {
   explicit State(const Side& side) : points{side.points_m}, tree(3, points, {10}) {}
 };
 
+float distance_of(State& state, const Eigen::Vector3f& at_m) {
+  std::uint32_t index = 0;
+  float square_m2 = 0.0F;
+  nanoflann::KNNResultSet<float, std::uint32_t> nearest(1);
+  nearest.init(&index, &square_m2);
+  square_m2 = static_cast<float>(kLimit_m * kLimit_m);  // nothing farther is looked at
+  state.tree.findNeighbors(nearest, at_m.data(), {});
+  return nearest.size() == 0 ? kNone : std::sqrt(square_m2);
+}
+
 }  // namespace
 
 Method by_nanoflann(const Side& source, const Side& target) {
-  return {"nanoflann", [&, state = std::make_shared<std::unique_ptr<State>>()](
-                           std::span<const Pose3> poses, std::vector<float>& distances_m, bool build) {
-            if (build || !*state) *state = std::make_unique<State>(target);
-            for (const Pose3& pose : poses) {
-              const Eigen::Isometry3d T = pose.isometry();
-              for (std::size_t i = 0; i < source.points_m.size(); ++i) {
-                const Eigen::Vector3f at_m = moved(T, source.points_m[i]).cast<float>();
-                std::uint32_t index = 0;
-                float square_m2 = 0.0F;
-                nanoflann::KNNResultSet<float, std::uint32_t> nearest(1);
-                nearest.init(&index, &square_m2);
-                square_m2 = static_cast<float>(kLimit_m * kLimit_m);  // nothing farther is looked at
-                (*state)->tree.findNeighbors(nearest, at_m.data(), {});
-                distances_m[i] = nearest.size() == 0 ? kNone : std::sqrt(square_m2);
-              }
-            }
-          }};
+  return point_by_point<State>("nanoflann", source, target, distance_of);
 }
 
 }  // namespace kilter
