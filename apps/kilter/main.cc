@@ -86,7 +86,7 @@ std::pair<const CLI::App*, std::string> called_command(const CLI::App& program) 
 
 // Two complaints that CLI11 words for who wrote the program, not for who calls it.
 std::string reworded(const CLI::ParseError& error) {
-  const std::string text = error.what();
+  std::string text = error.what();
   if (dynamic_cast<const CLI::ArgumentMismatch*>(&error) == nullptr) return text;
   const std::string name = text.substr(0, text.find(':'));
   constexpr std::string_view kTooMany = ": At Most 1 required but received ";

@@ -155,8 +155,8 @@ class RepeatedSearch {
 
   /// What is near each point of a batch: kNoVoxel, or a voxel and how far it is.
   struct Found {
-    std::array<std::uint32_t, PointColumns::kMost> voxel;
-    alignas(64) std::array<double, PointColumns::kMost> distance_m;
+    std::array<std::uint32_t, PointColumns::kMost> voxel{};
+    alignas(64) std::array<double, PointColumns::kMost> distance_m{};
   };
 
   /// For each of the points number points[k], at most PointColumns::kMost, which now are at at_m[k] in the map's frame,

@@ -262,8 +262,8 @@ void compute_baseline(const VoxelMap& map, const Eigen::Vector3i& middle, int re
 // Where each point of a batch reads: the block's slot in the table, or kOutside, and the bit of its cell.
 struct CellPlaces {
   static constexpr std::int32_t kOutside = -1;
-  alignas(64) std::array<std::int32_t, PointColumns::kMost> slot;
-  alignas(64) std::array<std::int32_t, PointColumns::kMost> bit;
+  alignas(64) std::array<std::int32_t, PointColumns::kMost> slot{};
+  alignas(64) std::array<std::int32_t, PointColumns::kMost> bit{};
 };
 
 // Plain arithmetic: the compiler makes registers of it.

@@ -12,9 +12,9 @@ namespace kilter {
 struct PointColumns {
   static constexpr std::size_t kMost = 64;
 
-  alignas(64) std::array<double, kMost> x;
-  alignas(64) std::array<double, kMost> y;
-  alignas(64) std::array<double, kMost> z;
+  alignas(64) std::array<double, kMost> x{};
+  alignas(64) std::array<double, kMost> y{};
+  alignas(64) std::array<double, kMost> z{};
 
   void set(std::size_t k, const Eigen::Vector3d& point_m) {
     x[k] = point_m.x();

@@ -92,8 +92,8 @@ NormalEquations build_normal_equations(std::span<const PlaneResidual> residuals)
     scatter_m2.noalias() += r.weight * arm_m * arm_m.transpose();
   }
   equations.unscale = scaling_of(scatter_m2 / equations.weight);
-  static const SumJacobians sum_jacobians = sum_jacobians_with(vector_paths().back());
-  const JacobianSums sums = sum_jacobians(residuals, equations.centre_m);
+  static const SumJacobians kSumJacobians = sum_jacobians_with(vector_paths().back());
+  const JacobianSums sums = kSumJacobians(residuals, equations.centre_m);
   equations.information = equations.unscale.transpose() * sums.information * equations.unscale;
   equations.gradient = equations.unscale.transpose() * sums.gradient;
   return equations;

@@ -46,9 +46,9 @@ std::vector<PlaneResidual> match_both_ways(PlanePair& pair, const Pose3& T_targe
 }
 
 struct FloatColumns {
-  alignas(64) std::array<float, PointColumns::kMost> x;
-  alignas(64) std::array<float, PointColumns::kMost> y;
-  alignas(64) std::array<float, PointColumns::kMost> z;
+  alignas(64) std::array<float, PointColumns::kMost> x{};
+  alignas(64) std::array<float, PointColumns::kMost> y{};
+  alignas(64) std::array<float, PointColumns::kMost> z{};
 
   void set(std::size_t k, const Eigen::Vector3f& value) {
     x[k] = value.x();
@@ -66,8 +66,8 @@ struct Batch {
   RepeatedSearch::Found near;
   FloatColumns plane_m;       // a point of the plane, and
   FloatColumns plane_normal;  // zero where there is none
-  alignas(64) std::array<double, PointColumns::kMost> residual_m;
-  alignas(64) std::array<double, PointColumns::kMost> agreement;  // of the normals: a cosine; 1 where one is unknown
+  alignas(64) std::array<double, PointColumns::kMost> residual_m{};
+  alignas(64) std::array<double, PointColumns::kMost> agreement{};  // of the normals: a cosine; 1 where one is unknown
 };
 
 // A transform as numbers, for loops that the compiler makes registers of.
