@@ -3,6 +3,7 @@
 # Build options and the flags shared by every target of ours.
 option(KILTER_BUILD_TESTS "Build unit and integration tests" ${PROJECT_IS_TOP_LEVEL})
 option(KILTER_BUILD_FUZZ "Build libFuzzer targets (clang only)" OFF)
+option(KILTER_BENCHMARK_OTHERS "Compare with PCL, Open3D and others in benchmarks, where installed" OFF)
 option(KILTER_WARNINGS_AS_ERRORS "Treat warnings as errors" ${PROJECT_IS_TOP_LEVEL})
 option(KILTER_HARDENING "Compile and link with the hardening flags of a distribution" ON)
 set(KILTER_SANITIZE "" CACHE STRING "Sanitizers, e.g. address,undefined or thread")

@@ -136,30 +136,17 @@ std::size_t NearestVoxelSearch::bytes() const {
          steps_.size() * sizeof(Step) + (field == nullptr ? 0 : field->bytes());
 }
 
-NearestVoxelCursor::NearestVoxelCursor(const NearestVoxelSearch& search) : search_(&search), table_(64, 0) {}
+NearestVoxelCursor::NearestVoxelCursor(const NearestVoxelSearch& search) : search_(&search) {}
 
 NearestVoxelCursor::Home& NearestVoxelCursor::home_at(const Eigen::Vector3i& block) {
-  if (last_ != 0 && homes_[last_ - 1].at == block) return homes_[last_ - 1];
+  const std::uint32_t number = numbers_.find_or_add(block_key(block));
+  if (number < homes_.size()) return homes_[number];
   if (homes_.size() == kMostHomes) {
     homes_.clear();
-    table_.assign(64, 0);
+    numbers_ = {};
+    numbers_.find_or_add(block_key(block));
   }
-  if (2 * (homes_.size() + 1) > table_.size()) {
-    table_.assign(4 * table_.size(), 0);
-    for (std::uint32_t number = 0; number < homes_.size(); ++number) {
-      std::size_t slot = block_hash(block_key(homes_[number].at)) & (table_.size() - 1);
-      while (table_[slot] != 0) slot = (slot + 1) & (table_.size() - 1);
-      table_[slot] = number + 1;
-    }
-  }
-  std::size_t slot = block_hash(block_key(block)) & (table_.size() - 1);
-  while (table_[slot] != 0 && homes_[table_[slot] - 1].at != block) slot = (slot + 1) & (table_.size() - 1);
-  if (table_[slot] == 0) {
-    homes_.push_back({block, {}, {}, 0});
-    table_[slot] = static_cast<std::uint32_t>(homes_.size());
-  }
-  last_ = table_[slot];
-  return homes_[last_ - 1];
+  return homes_.emplace_back(Home{block, {}, {}, 0});
 }
 
 bool NearestVoxelCursor::extend(Home& home, float best_m2) const {

@@ -16,6 +16,7 @@
 
 #include "kilter/matching/nearest_voxel_field.h"
 #include "kilter/matching/scan_clusters.h"
+#include "kilter/occupancy/key_numbers.h"
 #include "kilter/occupancy/voxel_map.h"
 
 namespace kilter {
@@ -140,9 +141,8 @@ class NearestVoxelCursor {
   bool extend(Home& home, float best_m2) const;
 
   const NearestVoxelSearch* search_;
-  std::vector<Home> homes_;
-  std::vector<std::uint32_t> table_;     // open addressing: home number + 1, 0 = empty
-  std::uint32_t last_ = 0;               // home number + 1 of the last point
+  KeyNumbers numbers_;                   // of blocks
+  std::vector<Home> homes_;              // by number
   std::uint32_t last_voxel_ = kNoVoxel;  // what the last point had nearest
 };
 

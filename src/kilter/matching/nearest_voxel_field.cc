@@ -6,7 +6,6 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
-#include <functional>
 #include <new>
 #include <numbers>
 
@@ -231,31 +230,31 @@ using Keys = std::array<Layer, kBlockSize>;
 
 using Voxels = std::array<std::uint32_t, kBlockVoxels>;
 
-// The answers of the block `middle`. Makes room for them if there are any.
-[[gnu::always_inline]] inline void compute(const VoxelMap& map, const Eigen::Vector3i& middle, int reach,
-                                           const std::function<Voxels&()>& room) {
+// The answers of the block `middle`. \return false, and none, if nothing is near any of it.
+[[gnu::always_inline]] inline bool compute(const VoxelMap& map, const Eigen::Vector3i& middle, int reach,
+                                           Voxels& voxels) {
   const Window window(map, middle, reach);
-  if (window.empty) return;
+  if (window.empty) return false;
   Keys keys;
   transform(window, keys);
-  std::uint32_t* to = room().data();
+  std::uint32_t* to = voxels.data();
   for (const Layer& layer : keys) {
     for (const Row& row : layer) {
       voxels_of_keys(window, row, to);
       to += kBlockSize;
     }
   }
+  return true;
 }
 
-void compute_baseline(const VoxelMap& map, const Eigen::Vector3i& middle, int reach,
-                      const std::function<Voxels&()>& room) {
-  compute(map, middle, reach, room);
+bool compute_baseline(const VoxelMap& map, const Eigen::Vector3i& middle, int reach, Voxels& voxels) {
+  return compute(map, middle, reach, voxels);
 }
 
 #if defined(__x86_64__)
-[[gnu::target("avx2,popcnt,lzcnt,bmi")]] void compute_avx2(const VoxelMap& map, const Eigen::Vector3i& middle,
-                                                           int reach, const std::function<Voxels&()>& room) {
-  compute(map, middle, reach, room);
+[[gnu::target("avx2,popcnt,lzcnt,bmi")]] bool compute_avx2(const VoxelMap& map, const Eigen::Vector3i& middle,
+                                                           int reach, Voxels& voxels) {
+  return compute(map, middle, reach, voxels);
 }
 #endif
 
@@ -304,6 +303,22 @@ void find_places_baseline(const PointColumns& points_m, std::size_t count, doubl
 }
 #endif
 
+// The two kernels of the field, as a path has them.
+struct Kernels {
+  bool (*compute)(const VoxelMap& map, const Eigen::Vector3i& middle, int reach, Voxels& voxels);
+  void (*find_places)(const PointColumns& points_m, std::size_t count, double per_metre, const Eigen::Vector3i& low,
+                      const Eigen::Vector3i& size, CellPlaces& places);
+};
+
+Kernels kernels_of(VectorPath path) {
+#if defined(__x86_64__)
+  if (path != VectorPath::kBaseline) return {compute_avx2, find_places_avx2};
+#else
+  static_cast<void>(path);
+#endif
+  return {compute_baseline, find_places_baseline};
+}
+
 }  // namespace
 
 bool NearestVoxelField::fits(const VoxelMap& map, double reach_m) {
@@ -336,16 +351,7 @@ std::uint32_t NearestVoxelField::near(const Eigen::Vector3d& point_m) const {
 
 void NearestVoxelField::where(const PointColumns& points_m, std::size_t count, Wheres& wheres) const {
   CellPlaces places;
-  const double per_metre = 1.0 / map_->resolution_m();
-#if defined(__x86_64__)
-  if (path_ != VectorPath::kBaseline) {
-    find_places_avx2(points_m, count, per_metre, low_, size_, places);
-  } else {
-    find_places_baseline(points_m, count, per_metre, low_, size_, places);
-  }
-#else
-  find_places_baseline(points_m, count, per_metre, low_, size_, places);
-#endif
+  kernels_of(path_).find_places(points_m, count, 1.0 / map_->resolution_m(), low_, size_, places);
   for (std::size_t k = 0; k < count; ++k) {
     const std::int32_t slot = places.slot[k];
     wheres[k] = &kNoVoxel;
@@ -364,16 +370,8 @@ const NearestVoxelField::Block& NearestVoxelField::build(std::int32_t slot) cons
     return block;
   }();
   const Eigen::Vector3i at(slot % size_.x(), slot / size_.x() % size_.y(), slot / (size_.x() * size_.y()));
-  std::unique_ptr<Block> built;
-  const auto room = [&]() -> Voxels& {
-    built = std::make_unique_for_overwrite<Block>();
-    return built->voxels;
-  };
-#if defined(__x86_64__)
-  (path_ == VectorPath::kBaseline ? compute_baseline : compute_avx2)(*map_, low_ + at, reach_, room);
-#else
-  compute_baseline(*map_, low_ + at, reach_, room);
-#endif
+  auto built = std::make_unique_for_overwrite<Block>();
+  if (!kernels_of(path_).compute(*map_, low_ + at, reach_, built->voxels)) built.reset();
   const std::atomic_ref<const Block*> place(table_[static_cast<std::size_t>(slot)]);
   const std::lock_guard lock(building_);
   if (const Block* others = place.load(std::memory_order_relaxed); others != nullptr) return *others;

@@ -55,12 +55,9 @@ BlockStore::BlockStore(const LogOddsModel& model) : model_(model), after_misses_
 }
 
 void BlockStore::apply(const Eigen::Vector3i& at, Marks marks) {
-  const auto [entry, is_new] = numbers_.try_emplace(block_key(at), static_cast<std::uint32_t>(blocks_.size()));
-  if (is_new) {
-    keys_.push_back(entry->first);
-    blocks_.emplace_back();
-  }
-  Block& block = blocks_[entry->second];
+  const std::uint32_t number = numbers_.find_or_add(block_key(at));
+  if (number == blocks_.size()) blocks_.emplace_back();
+  Block& block = blocks_[number];
   if (!block.surface) {
     if (can_count_ && !has_hit(marks)) {
       if (!block.misses) block.misses = std::make_unique<MissBlock>();
@@ -115,19 +112,19 @@ void BlockStore::finish_block(const Block& block, VoxelBlock& out, std::vector<f
 BlockStore::Finished BlockStore::finish() {
   std::vector<std::uint32_t> order(blocks_.size());
   std::iota(order.begin(), order.end(), 0U);
-  std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) { return keys_[a] < keys_[b]; });
+  const std::vector<std::uint64_t>& keys = numbers_.keys();
+  std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) { return keys[a] < keys[b]; });
   Finished finished;
   finished.blocks.reserve(order.size());
   for (const std::uint32_t number : order) {
     VoxelBlock& out = finished.blocks.emplace_back();
-    out.key = keys_[number];
+    out.key = keys[number];
     out.first_voxel = static_cast<std::uint32_t>(finished.log_odds.size());
     finish_block(blocks_[number], out, finished.log_odds);
     out.voxel_count = static_cast<std::uint32_t>(finished.log_odds.size()) - out.first_voxel;
     blocks_[number] = {};
   }
-  numbers_.clear();
-  std::vector<std::uint64_t>().swap(keys_);
+  numbers_ = {};
   std::vector<Block>().swap(blocks_);
   return finished;
 }

@@ -7,9 +7,9 @@
 #include <cstdint>
 #include <memory>
 #include <span>
-#include <unordered_map>
 #include <vector>
 
+#include "kilter/occupancy/key_numbers.h"
 #include "kilter/occupancy/occupancy_options.h"
 #include "kilter/occupancy/voxel_map.h"
 
@@ -73,9 +73,8 @@ class BlockStore {
   LogOddsModel model_;
   std::vector<float> after_misses_;  // log-odds after so many misses and nothing else
   bool can_count_ = false;           // whether a byte can count them
-  std::unordered_map<std::uint64_t, std::uint32_t> numbers_;
-  std::vector<std::uint64_t> keys_;
-  std::vector<Block> blocks_;
+  KeyNumbers numbers_;
+  std::vector<Block> blocks_;  // by number
 };
 
 }  // namespace kilter

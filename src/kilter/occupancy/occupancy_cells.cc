@@ -11,6 +11,7 @@
 #include <numeric>
 #include <tuple>
 
+#include "kilter/occupancy/key_numbers.h"
 #include "kilter/occupancy/surface_normals.h"
 
 namespace kilter {
@@ -103,32 +104,10 @@ class BlockFiller {
     }
   }
 
-  // Leaves come in the order of the tree, so the last block is most often the next one.
   std::uint32_t touch(std::uint64_t key) {
-    if (!blocks_.empty() && blocks_[last_].key == key) return last_;
-    std::size_t slot = find_slot(key);
-    if (table_[slot] == 0) {
-      blocks_.emplace_back().key = key;
-      table_[slot] = static_cast<std::uint32_t>(blocks_.size());
-      last_ = table_[slot] - 1;
-      if (2 * blocks_.size() > table_.size()) grow();
-      return last_;
-    }
-    last_ = table_[slot] - 1;
-    return last_;
-  }
-
-  [[nodiscard]] std::size_t find_slot(std::uint64_t key) const {
-    std::size_t slot = block_hash(key) & (table_.size() - 1);
-    while (table_[slot] != 0 && blocks_[table_[slot] - 1].key != key) slot = (slot + 1) & (table_.size() - 1);
-    return slot;
-  }
-
-  void grow() {
-    table_.assign(table_.size() * 4, 0);
-    for (std::size_t i = 0; i < blocks_.size(); ++i) {
-      table_[find_slot(blocks_[i].key)] = static_cast<std::uint32_t>(i + 1);
-    }
+    const std::uint32_t number = numbers_.find_or_add(key);
+    if (number == blocks_.size()) blocks_.emplace_back().key = key;
+    return number;
   }
 
   void sort_blocks();
@@ -138,9 +117,8 @@ class BlockFiller {
   float threshold_;
   std::uint64_t most_blocks_;
   std::uint64_t most_surface_;
-  std::vector<VoxelBlock> blocks_;
-  std::vector<std::uint32_t> table_ = std::vector<std::uint32_t>(1024, 0);  // block number + 1, 0 = empty
-  std::uint32_t last_ = 0;
+  KeyNumbers numbers_;
+  std::vector<VoxelBlock> blocks_;  // by number
   std::vector<SurfaceVoxel> surface_;
 };
 

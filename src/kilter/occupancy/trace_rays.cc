@@ -80,9 +80,7 @@ void fill_chunk(const Fan& fan, const RayEnds& ends_m, std::size_t first, Chunk&
     const float dz = z[i] - fan.origin_m.z();
     length_m[i] = std::sqrt(dx * dx + dy * dy + dz * dz);
     const auto voxels_off = [&](float end, int axis) {
-      const double scaled = end * fan.per_metre;
-      const auto truncated = static_cast<std::int32_t>(scaled);
-      return std::abs(truncated - (truncated > scaled ? 1 : 0) - fan.first[axis]);
+      return std::abs(whole_below(end * fan.per_metre) - fan.first[axis]);
     };
     steps[i] = voxels_off(x[i], 0) + voxels_off(y[i], 1) + voxels_off(z[i], 2);
     most = std::max(most, steps[i]);

@@ -8,7 +8,7 @@
 #include <map>
 #include <utility>
 
-#include "kilter/occupancy/block_index.h"
+#include "kilter/occupancy/key_numbers.h"
 #include "kilter/registration/sum_jacobians.h"
 
 namespace kilter {
@@ -43,9 +43,9 @@ std::uint64_t patch_key(const Eigen::Vector3i& cell, int facing) {
 class PatchSums {
  public:
   void add(std::uint64_t key, const PlaneResidual& r, const Eigen::Vector3d& centre_m) {
-    // Residuals come block by block, so the next is often of the same patch.
-    if (patches_.empty() || patches_[last_].first != key) last_ = find_or_add(key);
-    Patch& patch = patches_[last_].second;
+    const std::uint32_t number = numbers_.find_or_add(key);
+    if (number == patches_.size()) patches_.emplace_back(key, Patch{});
+    Patch& patch = patches_[number].second;
     const Vector6 pull = r.weight * plain_jacobian(r, centre_m);
     patch.pull += pull;
     patch.gradient += r.residual_m * pull;
@@ -67,30 +67,8 @@ class PatchSums {
   }
 
  private:
-  std::size_t find_or_add(std::uint64_t key) {
-    std::size_t slot = slot_of(key);
-    if (table_[slot] == 0) {
-      patches_.emplace_back(key, Patch{});
-      table_[slot] = static_cast<std::uint32_t>(patches_.size());
-      if (2 * patches_.size() <= table_.size()) return patches_.size() - 1;
-      table_.assign(4 * table_.size(), 0);
-      for (std::size_t i = 0; i < patches_.size(); ++i) {
-        table_[slot_of(patches_[i].first)] = static_cast<std::uint32_t>(i + 1);
-      }
-      return patches_.size() - 1;
-    }
-    return table_[slot] - 1;
-  }
-
-  [[nodiscard]] std::size_t slot_of(std::uint64_t key) const {
-    std::size_t slot = block_hash(key) & (table_.size() - 1);
-    while (table_[slot] != 0 && patches_[table_[slot] - 1].first != key) slot = (slot + 1) & (table_.size() - 1);
-    return slot;
-  }
-
-  std::vector<std::pair<std::uint64_t, Patch>> patches_;
-  std::vector<std::uint32_t> table_ = std::vector<std::uint32_t>(256, 0);  // number + 1 of a patch, 0 = empty
-  std::size_t last_ = 0;
+  KeyNumbers numbers_;
+  std::vector<std::pair<std::uint64_t, Patch>> patches_;  // by number
 };
 
 // Half away from zero.

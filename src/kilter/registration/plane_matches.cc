@@ -19,13 +19,13 @@ std::vector<std::uint32_t> every(std::size_t stride, std::size_t count) {
   return numbers;
 }
 
-// Both ways, so that it does not matter which of the two is called the source. A target point q lies off a source
-// plane by (R n) . (q - T c); moving the source moves that plane, hence the turned direction.
 struct Strides {
   std::size_t source = 1;
   std::size_t target = 1;
 };
 
+// Both ways, so that it does not matter which of the two is called the source. A target point q lies off a source
+// plane by (R n) . (q - T c); moving the source moves that plane, hence the turned direction.
 std::vector<PlaneResidual> match_both_ways(PlanePair& pair, const Pose3& T_target_source, double search_m,
                                            const Strides& strides) {
   std::vector<PlaneResidual> residuals;
@@ -95,6 +95,7 @@ struct Numbers {
   }
 }
 
+// normals_agree() as a number, and what the matches are off.
 [[gnu::always_inline]] inline void compare_all(const Numbers& T, bool oriented, Batch& batch) {
   const double of_sign = oriented ? 0.0 : 1.0;
   for (std::size_t k = 0; k < batch.count; ++k) {
