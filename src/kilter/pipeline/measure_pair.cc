@@ -140,7 +140,7 @@ std::string gate_reason(const TwoWaySample& sample, const CandidatePair& pair, c
 void measure_registered(PairSearches& pair, const CheckOptions& options, PairEvidence& evidence) {
   evidence.registered.reset();
   if (!evidence.registration->converged()) return;
-  const Pose3& T_registered = evidence.registration->T_target_source;
+  const Pose3& T_registered = evidence.registration->T_target_source_closest;
   evidence.registered = measure_at(pair, T_registered, sample_both_ways(pair, T_registered, options),
                                    near_surfaces(pair, T_registered), options);
 }
@@ -152,7 +152,7 @@ bool basin_is_doubtful(const PairEvidence& evidence) {
   const PoseEvidence& after = *evidence.registered;
   if (after.overlap < kKeptOverlap * evidence.map.overlap) return true;
   if (after.conflict.share() > kDoubtfulConflict) return true;
-  const Pose3 moved = evidence.registration->T_target_source * evidence.T_target_source.inverse();
+  const Pose3 moved = evidence.registration->T_target_source_closest * evidence.T_target_source.inverse();
   const Eigen::Vector3d& centre_m = evidence.registration->centre_target_m;
   return (moved.inverse() * centre_m - centre_m).norm() > kFarMove_m;
 }

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <vector>
 
+#include "kilter/registration/bend_in_time.h"
 #include "kilter/registration/plane_matches.h"
 #include "kilter/registration/uncertainty.h"
 
@@ -16,7 +17,6 @@ namespace {
 constexpr std::size_t kFewestOfPart = 300;
 constexpr double kLeastHalf_m = 3.0;  // standard deviation along the longest axis that is worth a cut
 constexpr int kMostCuts = 3;          // one after the other: eight parts
-constexpr std::size_t kTimes = 12;    // parts by time
 constexpr double kShrink = 0.6;       // of the kernel, from one step to the next
 constexpr int kLastSteps = 3;         // at the final kernel
 constexpr double kLeastGain = 1.3;  // of the residuals that vanish, among those that a motion changes, for it to count
@@ -57,19 +57,6 @@ void cut_in_space(std::span<PlaneResidual> residuals, int cuts, Parts& parts) {
     }
   }
   if (residuals.size() >= kFewestOfPart) parts.emplace_back(residuals);
-}
-
-// The same by when one of the submaps saw them: equal numbers, earliest first. None where it saw all at once.
-void cut_in_time(std::span<PlaneResidual> residuals, std::uint8_t PlaneResidual::*seen_at, Parts& parts) {
-  const std::size_t count = std::min(kTimes, residuals.size() / kFewestOfPart);
-  if (count < 2) return;
-  std::stable_sort(residuals.begin(), residuals.end(),
-                   [&](const PlaneResidual& a, const PlaneResidual& b) { return a.*seen_at < b.*seen_at; });
-  if (residuals.front().*seen_at == residuals.back().*seen_at) return;
-  for (std::size_t k = 0; k < count; ++k) {
-    const std::size_t first = residuals.size() * k / count;
-    parts.emplace_back(residuals.subspan(first, residuals.size() * (k + 1) / count - first));
-  }
 }
 
 // The residuals after the motion, to first order, weighted by a Geman-McClure kernel.
@@ -138,38 +125,36 @@ PartMotion motion_of(std::span<const PlaneResidual> part, const PairGrain& grain
           2.0 * (MC * MC).trace() + 4.0 * motion.dot(MC * (M * motion)) + belief * (1.0 - belief) * mean_m2 * mean_m2};
 }
 
+Bend bend_by_place(std::span<const PlaneResidual> residuals, const PairGrain& grain, double reach_m) {
+  Residuals sorted(residuals.begin(), residuals.end());
+  Parts parts;
+  cut_in_space(sorted, 0, parts);
+  double total = 0.0;
+  for (const std::span<const PlaneResidual> part : parts) total += static_cast<double>(part.size());
+  Bend bend;
+  bend.parts = static_cast<int>(parts.size());
+  double mean_m2 = 0.0;
+  for (const std::span<const PlaneResidual> part : parts) {
+    const double share = static_cast<double>(part.size()) / total;
+    const PartMotion motion = motion_of(part, grain, reach_m);
+    mean_m2 += share * motion.mean_m2;
+    bend.variance_m4 += share * share * motion.variance_m4;
+  }
+  bend.rms_m = std::sqrt(std::max(mean_m2, 0.0));
+  const double scatter_m2 = 2.0 * kScatter * bend.rms_m * bend.rms_m;
+  bend.variance_m4 += scatter_m2 * scatter_m2;
+  return bend;
+}
+
 }  // namespace
 
 Bend measure_bend(std::span<const PlaneResidual> residuals, const PairGrain& grain, double reach_m) {
-  Bend most;
-  double most_m2 = 0.0;
-  for (const BendKind kind : {BendKind::kSpace, BendKind::kSource, BendKind::kTarget}) {
-    Residuals sorted(residuals.begin(), residuals.end());
-    Parts parts;
-    if (kind == BendKind::kSpace) {
-      cut_in_space(sorted, 0, parts);
-    } else {
-      cut_in_time(sorted, kind == BendKind::kSource ? &PlaneResidual::source_at : &PlaneResidual::target_at, parts);
-    }
-    double total = 0.0;
-    for (const std::span<const PlaneResidual> part : parts) total += static_cast<double>(part.size());
-    Bend bend{0.0, 0.0, kind, static_cast<int>(parts.size())};
-    double mean_m2 = 0.0;
-    for (const std::span<const PlaneResidual> part : parts) {
-      const double share = static_cast<double>(part.size()) / total;
-      const PartMotion motion = motion_of(part, grain, reach_m);
-      mean_m2 += share * motion.mean_m2;
-      bend.variance_m4 += share * share * motion.variance_m4;
-    }
-    bend.rms_m = std::sqrt(std::max(mean_m2, 0.0));
-    const double scatter_m2 = 2.0 * kScatter * bend.rms_m * bend.rms_m;
-    bend.variance_m4 += scatter_m2 * scatter_m2;
-    if (kind == BendKind::kSpace || mean_m2 > most_m2) {
-      most = bend;
-      most_m2 = mean_m2;
-    }
-  }
-  return most;
+  const TimesKnown known = times_known(residuals);
+  if (known.source && known.target) return bend_in_time(residuals, grain, reach_m);
+  Bend bend = bend_by_place(residuals, grain, reach_m);
+  if (!known.source && !known.target) return bend;
+  const Bend in_time = bend_in_time(residuals, grain, reach_m);
+  return in_time.rms_m > bend.rms_m ? in_time : bend;
 }
 
 }  // namespace kilter

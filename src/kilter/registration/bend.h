@@ -9,11 +9,11 @@
 
 namespace kilter {
 
-/// What the parts of an aligned pair's overlap have in common.
+/// How the parts of an aligned pair's overlap that move apart were told from each other.
 enum class BendKind {
-  kSpace,   ///< they lie in different places: one of the two is bent
-  kSource,  ///< the source saw them at different times: it slipped or drifted inside
-  kTarget,  ///< the target saw them at different times
+  kSpace,   ///< by place, since neither knows when it saw what: one of the two is bent
+  kSource,  ///< by time: it is the source that slipped or drifted inside, or it did so more
+  kTarget,  ///< by time: the target
 };
 
 /// How far parts of an aligned pair still lie apart, because a submap is bent or holds a slip: no rigid motion mends
@@ -21,21 +21,26 @@ enum class BendKind {
 struct Bend {
   double rms_m = 0.0;        ///< RMS over the overlap of the remaining displacement, less what noise would give. [m]
   double variance_m4 = 0.0;  ///< of its square
-  BendKind kind = BendKind::kSpace;  ///< the way of cutting that shows most
-  int parts = 0;                     ///< of the overlap that were looked at on their own
+  BendKind kind = BendKind::kSpace;
+  int parts = 0;  ///< of the overlap that were looked at on their own
+  /// What the parts' motions have in common, as (v, w) about `centre_m`, target axes: the rigid motion on top of the
+  /// aligned pose that leaves the least apart. Zero where parts are of kind kSpace.
+  Vector6 common = Vector6::Zero();
+  Eigen::Vector3d centre_m = Eigen::Vector3d::Zero();
 };
 
-/// Cuts the overlap into parts, by place, by when the source saw it and by when the target did, and lets each part find
-/// its own small motion: robust least squares on the residuals' planes with a kernel that narrows from half the reach
-/// to a voxel, along the directions that the part itself fixes; nothing along the others. A motion counts where it
-/// makes more of the part's residuals vanish, as far as those outnumber the ones that it brings up: clutter, which no
-/// motion mends, and what only one of the two saw fit elsewhere as well, by chance. A cut shows the mean over its
-/// parts, weighted by their residuals, of x^T M x (see OffsetEstimate) less what the motions' covariances alone would
-/// give; the cut that shows most is told.
+/// By when the two submaps saw what they share (bend_in_time), where one of them knows; otherwise, and where only one
+/// does, by place: the overlap is cut into up to eight parts, each of which finds its own small motion by robust least
+/// squares on the residuals' planes with a kernel that narrows from half the reach to a voxel, along the directions
+/// that the part itself fixes; nothing along the others. A motion counts where it makes more of the part's residuals
+/// vanish, as far as those outnumber the ones that it brings up: clutter, which no motion mends, and what only one of
+/// the two saw fit elsewhere as well, by chance. The parts show the mean, weighted by their residuals, of x^T M x (see
+/// OffsetEstimate) less what the motions' covariances alone would give. Of the two ways, the one that shows more is
+/// told.
 ///
 /// \param residuals  all within reach at the aligned pose, with the planarity as weight
 /// \param grain      what its cells hide is no bend
-/// Cost: some forty passes over the residuals; no search for neighbours.
+/// Cost: some ten passes over the residuals; no search for neighbours.
 [[nodiscard]] Bend measure_bend(std::span<const PlaneResidual> residuals, const PairGrain& grain, double reach_m);
 
 }  // namespace kilter

@@ -17,8 +17,9 @@ constexpr double kVoxel_m = 0.1;
 const PairGrain kGrain = {.edge_m = kVoxel_m};
 constexpr double kReach_m = 1.0;
 
-// How far the source lies off along +x and +y at a place, for what it saw at a time (0..255).
-using Displacement = std::function<Eigen::Vector2d(const Eigen::Vector3d& at_m, std::uint8_t source_at)>;
+// How far the source lies off from the target along +x and +y at a place, for what it saw at a time and the target at
+// another (0..255).
+using Displacement = std::function<Eigen::Vector2d(const Eigen::Vector3d& at_m, double source_at, double target_at)>;
 
 // A hall of 24 by 10 m with walls on all sides and a floor; either submap saw every place at all times.
 std::vector<PlaneResidual> hall(const Displacement& displacement, double noise_m) {
@@ -27,7 +28,7 @@ std::vector<PlaneResidual> hall(const Displacement& displacement, double noise_m
   const auto add = [&](const Eigen::Vector3d& at_m, const Eigen::Vector3d& normal) {
     const auto source_at = static_cast<std::uint8_t>(rng.uniform(0.0, 255.9));
     const auto target_at = static_cast<std::uint8_t>(rng.uniform(0.0, 255.9));
-    const Eigen::Vector2d moved_m = displacement(at_m, source_at);
+    const Eigen::Vector2d moved_m = displacement(at_m, source_at, target_at);
     const double off_m = normal.head<2>().dot(moved_m) + noise_m * rng.normal();
     residuals.push_back({at_m, normal, off_m, 1.0, source_at, target_at});
   };
@@ -43,33 +44,121 @@ std::vector<PlaneResidual> hall(const Displacement& displacement, double noise_m
   return residuals;
 }
 
+// As octrees show it, and single scans: nobody knows when what was seen.
+std::vector<PlaneResidual> without_times(std::vector<PlaneResidual> residuals) {
+  for (PlaneResidual& r : residuals) r.source_at = r.target_at = 0;
+  return residuals;
+}
+
+Eigen::Vector2d nowhere(const Eigen::Vector3d&, double, double) { return Eigen::Vector2d::Zero(); }
+
 Bend bend_of(const Displacement& displacement, double noise_m = 0.01) {
   return measure_bend(hall(displacement, noise_m), kGrain, kReach_m);
 }
 
+Bend bend_by_place(const Displacement& displacement, double noise_m = 0.01) {
+  return measure_bend(without_times(hall(displacement, noise_m)), kGrain, kReach_m);
+}
+
 TEST(MeasureBend, AHallThatIsOneShowsNone) {
-  EXPECT_LT(bend_of([](const auto&, auto) { return Eigen::Vector2d(0.0, 0.0); }, 0.02).rms_m, 0.005);
+  EXPECT_LT(bend_of(nowhere, 0.02).rms_m, 0.008);  // 24 motions follow some of the noise
+  EXPECT_LT(bend_by_place(nowhere, 0.02).rms_m, 0.005);
 }
 
 TEST(MeasureBend, AFarEndThatWasMovedCountsByItsShare) {
-  const Bend bend =
-      bend_of([](const Eigen::Vector3d& at_m, auto) { return Eigen::Vector2d(0.0, at_m.x() < 12.0 ? 0.0 : 0.3); });
+  const Bend bend = bend_by_place(
+      [](const Eigen::Vector3d& at_m, double, double) { return Eigen::Vector2d(0.0, at_m.x() < 12.0 ? 0.0 : 0.3); });
   EXPECT_NEAR(bend.rms_m, 0.3 * std::sqrt(0.5), 0.03);
   EXPECT_EQ(bend.kind, BendKind::kSpace);
   EXPECT_GT(bend.variance_m4, 0.0);
+  EXPECT_TRUE(bend.common.isZero(0.0));
 }
 
 TEST(MeasureBend, ASlipInsideTheSourceIsFoundByTimeAndNamed) {
-  const Bend bend = bend_of([](const auto&, std::uint8_t source_at) {
-    return source_at < 192 ? Eigen::Vector2d(0.0, 0.0) : Eigen::Vector2d(0.2, 0.2);
+  const Bend bend = bend_of([](const auto&, double source_at, double) {
+    return source_at < 192.0 ? Eigen::Vector2d(0.0, 0.0) : Eigen::Vector2d(0.2, 0.2);
   });
-  EXPECT_NEAR(bend.rms_m, std::sqrt(0.08 * 0.25), 0.03);
+  // A quarter lies 0.283 m off; the best rigid motion takes a quarter of that back.
+  EXPECT_NEAR(bend.rms_m, std::sqrt(0.08 * 0.25 * 0.75), 0.01);
   EXPECT_EQ(bend.kind, BendKind::kSource);
+  const Eigen::Vector2d at_middle_m =
+      bend.common.head<2>() + bend.common.tail<3>().cross(Eigen::Vector3d(12.0, 5.0, 1.5) - bend.centre_m).head<2>();
+  EXPECT_NEAR(at_middle_m.x(), -0.05, 0.01);
+  EXPECT_NEAR(at_middle_m.y(), -0.05, 0.01);
+}
+
+TEST(MeasureBend, TheTargetIsNamedWhereItSlips) {
+  const Bend bend = bend_of([](const auto&, double, double target_at) {
+    return target_at < 64.0 ? Eigen::Vector2d(0.0, 0.15) : Eigen::Vector2d(0.0, 0.0);
+  });
+  EXPECT_NEAR(bend.rms_m, 0.15 * std::sqrt(0.25 * 0.75), 0.01);
+  EXPECT_EQ(bend.kind, BendKind::kTarget);
+}
+
+// A few centimetres, which no part shows on its own: what either submap's time says of it adds up.
+TEST(MeasureBend, BothDriftSlowlyAndAllOfItIsSeen) {
+  const double drift_m = 0.06;  // from first to last, of each
+  const Bend bend = bend_of([&](const auto&, double source_at, double target_at) {
+    return Eigen::Vector2d(drift_m * source_at / 255.0, drift_m * target_at / 255.0);
+  });
+  // Uniform over a range: a twelfth of its square, twice.
+  EXPECT_NEAR(bend.rms_m, drift_m * std::sqrt(2.0 / 12.0), 0.003);
+  EXPECT_LT(std::sqrt(bend.variance_m4), 0.5 * bend.rms_m * bend.rms_m);
+}
+
+// In the second half of its time the source saw floor only: along it, it lies where it was last known to be.
+TEST(MeasureBend, WhatSawOnlyFloorStaysWithItsNeighbours) {
+  std::vector<PlaneResidual> residuals = hall(
+      [](const auto&, double source_at, double) { return Eigen::Vector2d(source_at < 64.0 ? 0.0 : 0.1, 0.0); }, 0.01);
+  std::erase_if(residuals, [](const PlaneResidual& r) { return r.source_at >= 128 && r.direction.z() == 0.0; });
+  double share = 0.0;
+  for (const PlaneResidual& r : residuals) {
+    share += (r.source_at < 64 ? 1.0 : 0.0) / static_cast<double>(residuals.size());
+  }
+  EXPECT_NEAR(measure_bend(residuals, kGrain, kReach_m).rms_m, 0.1 * std::sqrt(share * (1.0 - share)), 0.01);
+}
+
+TEST(MeasureBend, TheOtherWayRoundItIsAsLarge) {
+  const auto displacement = [](const Eigen::Vector3d& at_m, double source_at, double) {
+    return Eigen::Vector2d(0.0, source_at < 100.0 ? 0.0 : 0.01 * at_m.x());
+  };
+  std::vector<PlaneResidual> residuals = hall(displacement, 0.01);
+  const Bend forward = measure_bend(residuals, kGrain, kReach_m);
+  for (PlaneResidual& r : residuals) {
+    r.residual_m = -r.residual_m;
+    std::swap(r.source_at, r.target_at);
+  }
+  const Bend backward = measure_bend(residuals, kGrain, kReach_m);
+  EXPECT_NEAR(forward.rms_m, backward.rms_m, 1e-6);
+  EXPECT_NEAR((forward.common + backward.common).norm(), 0.0, 1e-6);
+  EXPECT_EQ(forward.kind, BendKind::kSource);
+  EXPECT_EQ(backward.kind, BendKind::kTarget);
+}
+
+// What only one of the two saw: a third of all residuals, anywhere within reach, whenever.
+TEST(MeasureBend, ClutterIsOutvotedInTime) {
+  Rng rng(8, 0);
+  std::vector<PlaneResidual> residuals = hall(nowhere, 0.01);
+  for (PlaneResidual& r : residuals) {
+    if (rng.uniform(0.0, 1.0) < 0.33) r.residual_m = rng.uniform(-1.0, 1.0);
+  }
+  EXPECT_LT(measure_bend(residuals, kGrain, kReach_m).rms_m, 0.02);
+}
+
+TEST(MeasureBend, OneThatKnowsNoTimesIsLookedAtByPlaceAsWell) {
+  const auto far_end = [](const Eigen::Vector3d& at_m, double, double) {
+    return Eigen::Vector2d(0.0, at_m.x() < 12.0 ? 0.0 : 0.3);
+  };
+  std::vector<PlaneResidual> residuals = hall(far_end, 0.01);
+  for (PlaneResidual& r : residuals) r.target_at = 0;
+  const Bend bend = measure_bend(residuals, kGrain, kReach_m);
+  EXPECT_NEAR(bend.rms_m, 0.3 * std::sqrt(0.5), 0.03);
+  EXPECT_EQ(bend.kind, BendKind::kSpace);
 }
 
 TEST(MeasureBend, ClutterOfAllSizesSaysNothing) {
   Rng rng(8, 0);
-  std::vector<PlaneResidual> residuals = hall([](const auto&, auto) { return Eigen::Vector2d(0.0, 0.0); }, 0.01);
+  std::vector<PlaneResidual> residuals = without_times(hall(nowhere, 0.01));
   for (PlaneResidual& r : residuals) {
     if (r.point_m.x() > 12.0) r.residual_m = rng.uniform(-1.0, 1.0);
   }
@@ -79,7 +168,7 @@ TEST(MeasureBend, ClutterOfAllSizesSaysNothing) {
 // Beyond the middle the two saw different surfaces: some fit where they are, twice as many happen to fit 0.3 m off.
 TEST(MeasureBend, AMotionThatMakesLittleMoreFitIsHalfBelievedAndDoubted) {
   Rng rng(9, 0);
-  std::vector<PlaneResidual> residuals = hall([](const auto&, auto) { return Eigen::Vector2d(0.0, 0.0); }, 0.01);
+  std::vector<PlaneResidual> residuals = without_times(hall(nowhere, 0.01));
   for (PlaneResidual& r : residuals) {
     if (r.point_m.x() < 12.0 || r.direction.y() == 0.0) continue;
     r.residual_m = (rng.uniform(0.0, 1.0) < 2.0 / 3.0 ? 0.3 * r.direction.y() : 0.0) + 0.01 * rng.normal();

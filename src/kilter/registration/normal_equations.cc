@@ -145,6 +145,12 @@ Vector6 motion_of_frame(const NormalEquations& equations, const Vector6& directi
   return motion;
 }
 
+Vector6 fixed_part(const NormalEquations& equations, const ObservableSplit& split, const Vector6& motion) {
+  const auto fixed = split.directions.rightCols(6 - split.unobservable);
+  const Vector6 scaled = equations.unscale.inverse() * motion;
+  return equations.unscale * (fixed * (fixed.transpose() * scaled));
+}
+
 Vector6 solve_observable(const NormalEquations& equations, const ObservableSplit& split) {
   return -(equations.unscale * (observable_inverse(equations, split) * equations.gradient));
 }

@@ -73,6 +73,9 @@ inline constexpr double kFacingCosine = 0.4;
 /// The motion v0 + w x p of the target frame that a direction of the scaled unknowns stands for.
 [[nodiscard]] Vector6 motion_of_frame(const NormalEquations& equations, const Vector6& direction);
 
+/// The part of a motion (v, w) about the centre that lies along the observable directions.
+[[nodiscard]] Vector6 fixed_part(const NormalEquations& equations, const ObservableSplit& split, const Vector6& motion);
+
 /// The step (v [m], w [rad]) that solves the equations on the observable directions, zero along the others.
 [[nodiscard]] Vector6 solve_observable(const NormalEquations& equations, const ObservableSplit& split);
 

@@ -118,7 +118,7 @@ double overlap_at(const NearestVoxelSearch& source, const NearestVoxelSearch& ta
 RegistrationResult align_oicp(const NearestVoxelSearch& source, const NearestVoxelSearch& target, const Pose3& start,
                               const RegistrationOptions& options, const RegistrationPrior& prior) {
   RegistrationResult result;
-  result.T_target_source = start;
+  result.T_target_source = result.T_target_source_closest = start;
   const double resolution_m = target.map().resolution_m();
   const double final_search_m = std::min(kFinalSearchVoxels * resolution_m, options.search_distance_m);
   const double start_overlap = overlap_at(source, target, start, options.search_distance_m);
@@ -158,7 +158,7 @@ RegistrationResult align_oicp(const NearestVoxelSearch& source, const NearestVox
   const NormalEquations equations = build_normal_equations(residuals);
   const ObservableSplit split = split_observable(equations, residuals);
   result.stop = settled >= kSettledIterations ? StopReason::kConverged : StopReason::kMaxIterations;
-  result.T_target_source = T;
+  result.T_target_source = result.T_target_source_closest = T;
   result.matches = matches.size();
   result.support_start = matched_at(source, target, start, kSupportVoxels * resolution_m);
   result.support_end = matched_at(source, target, T, kSupportVoxels * resolution_m);

@@ -39,6 +39,14 @@ std::uint64_t patch_key(const Eigen::Vector3i& cell, int facing) {
          static_cast<std::uint64_t>(facing);
 }
 
+// Half away from zero.
+int rounded(double value) { return static_cast<int>(value + (value < 0.0 ? -0.5 : 0.5)); }
+
+std::uint64_t patch_key_of(const PlaneResidual& r, const Eigen::Vector3d& centre_m, double cell_m) {
+  const Eigen::Vector3d cell = (r.point_m - centre_m) / cell_m;
+  return patch_key({rounded(cell.x()), rounded(cell.y()), rounded(cell.z())}, facing_of(r.direction));
+}
+
 // Sums over residuals by key.
 class PatchSums {
  public:
@@ -71,20 +79,25 @@ class PatchSums {
   std::vector<std::pair<std::uint64_t, Patch>> patches_;  // by number
 };
 
-// Half away from zero.
-int rounded(double value) { return static_cast<int>(value + (value < 0.0 ? -0.5 : 0.5)); }
-
 }  // namespace
 
 std::vector<Patch> patches_of(std::span<const PlaneResidual> residuals, const NormalEquations& equations,
                               double cell_m) {
   PatchSums sums;
   for (const PlaneResidual& r : residuals) {
-    const Eigen::Vector3d cell = (r.point_m - equations.centre_m) / cell_m;
-    sums.add(patch_key({rounded(cell.x()), rounded(cell.y()), rounded(cell.z())}, facing_of(r.direction)), r,
-             equations.centre_m);
+    sums.add(patch_key_of(r, equations.centre_m, cell_m), r, equations.centre_m);
   }
   return sums.take(equations.unscale);
+}
+
+std::vector<std::uint32_t> patch_numbers(std::span<const PlaneResidual> residuals, const Eigen::Vector3d& centre_m,
+                                         double cell_m) {
+  KeyNumbers numbers;
+  std::vector<std::uint32_t> of_residuals;
+  of_residuals.reserve(residuals.size());
+  for (const PlaneResidual& r : residuals)
+    of_residuals.push_back(numbers.find_or_add(patch_key_of(r, centre_m, cell_m)));
+  return of_residuals;
 }
 
 std::vector<Patch> planes_of(std::span<const PlaneResidual> residuals, const NormalEquations& equations, double shift) {

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -22,6 +23,10 @@ struct Patch {
 /// neighbours. Sorted by cell. O(residuals).
 [[nodiscard]] std::vector<Patch> patches_of(std::span<const PlaneResidual> residuals, const NormalEquations& equations,
                                             double cell_m);
+
+/// The number of each residual's patch, from 0 in the order in which they come; patches as above. O(residuals).
+[[nodiscard]] std::vector<std::uint32_t> patch_numbers(std::span<const PlaneResidual> residuals,
+                                                       const Eigen::Vector3d& centre_m, double cell_m);
 
 /// Residuals by plane: by facing, and by layer of a metre along the mean normal of all that face so. `shift` is in
 /// layers, since a plane may lie where two of them meet.

@@ -133,12 +133,11 @@ struct Look {
 
 Look look_at(PlanePair& pair, const Pose3& T_target_source, const RegistrationOptions& options,
              const HeldMotions& held) {
-  const double edge_m = pair.grain.edge_m;
   Look look;
   look.residuals = match_planes(pair, T_target_source, final_search_m(pair.grain, options), kAllPoints);
   look.supporting = count_below(look.residuals, support_m(pair.grain));
   if (look.residuals.empty()) return look;
-  apply_kernel(look.residuals, kFinalKernelVoxels * edge_m);
+  apply_kernel(look.residuals, kFinalKernelVoxels * pair.grain.edge_m);
   look.equations = build_normal_equations(look.residuals);
   look.split = split_beside(look.equations, held);
   return look;
@@ -151,8 +150,7 @@ Vector6 free_motion(const Pose3& start, const Pose3& T, const Look& look) {
   Vector6 motion;
   motion.head<3>() = look.equations.centre_m - moved.inverse() * look.equations.centre_m;
   motion.tail<3>() = moved.log().tail<3>();
-  const auto free = look.split.directions.leftCols(look.split.unobservable);
-  return look.equations.unscale * (free * (free.transpose() * look.equations.unscale.inverse() * motion));
+  return motion - fixed_part(look.equations, look.split, motion);
 }
 
 // How many residuals are small and face the motion that takes their points by `moved_m(point)`.
@@ -213,6 +211,13 @@ Look settle(PlanePair& pair, const Pose3& start, const RegistrationOptions& opti
   }
 }
 
+// The motion that leaves the least apart where a submap is bent, along what the scene fixes.
+Pose3 to_least_apart(const Bend& bend, const Look& look) {
+  Vector6 motion = bend.common;
+  motion.head<3>() += bend.common.tail<3>().cross(look.equations.centre_m - bend.centre_m);
+  return motion_about(look.equations.centre_m, fixed_part(look.equations, look.split, motion));
+}
+
 // All voxels of a cell are one measurement.
 std::size_t in_cells(std::size_t voxels, const PairGrain& grain) {
   return static_cast<std::size_t>(std::lround(static_cast<double>(voxels) / grain.voxels_per_cell));
@@ -236,7 +241,7 @@ void count_support(PlanePair& pair, const Pose3& start, const Pose3& end, double
 RegistrationResult finish(PlanePair& pair, const Pose3& start, Descent descent, const RegistrationOptions& options,
                           const RegistrationPrior& prior) {
   RegistrationResult result;
-  result.T_target_source = start;
+  result.T_target_source = result.T_target_source_closest = start;
   Look look;
   if (descent.ended()) look = settle(pair, start, options, descent);
   result.iterations = descent.iterations;
@@ -251,7 +256,8 @@ RegistrationResult finish(PlanePair& pair, const Pose3& start, Descent descent, 
   count_support(pair, start, descent.T, final_search_m(pair.grain, options), look.residuals, result);
   result.bend = measure_bend(match_planes(pair, descent.T, options.search_distance_m, kBendPoints), pair.grain,
                              options.search_distance_m);
-  result.T_target_source = descent.T;
+  result.T_target_source_closest = descent.T;
+  result.T_target_source = to_least_apart(result.bend, look) * descent.T;
   result.residual_rms_m = std::sqrt(look.equations.squares_m2 / look.equations.weight);
   result.covariance_cells = cell_covariance(look.residuals, look.equations, look.split, pair.grain.variance_m2);
   result.covariance_measured =
@@ -358,7 +364,7 @@ RegistrationResult align_widely(const NearestVoxelSearch& source, const NearestV
   }
   if (optima.empty()) {
     RegistrationResult result;
-    result.T_target_source = start;
+    result.T_target_source = result.T_target_source_closest = start;
     result.searched = true;
     return result;
   }

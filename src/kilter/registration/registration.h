@@ -57,6 +57,9 @@ struct RegistrationPrior {
 struct RegistrationResult {
   StopReason stop = StopReason::kTooFewMatches;
   Pose3 T_target_source;  ///< the start, if not converged
+  /// Where most surfaces meet. The same but where a submap is bent: then T_target_source leaves the least apart of all
+  /// that both saw, as a pose graph wants it, and here some of it meets.
+  Pose3 T_target_source_closest;
   int iterations = 0;
   std::size_t matches = 0;      ///< correspondences at the end, of all voxels (mean of both ways)
   double residual_rms_m = 0.0;  ///< robust-weighted, at the end. [m]

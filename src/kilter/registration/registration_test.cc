@@ -4,8 +4,11 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <tuple>
+#include <vector>
 
+#include "kilter/occupancy/map_builder.h"
 #include "kilter/occupancy/occupancy_cells.h"
 #include "kilter/registration/point_to_plane.h"
 #include "testing/scenes.h"
@@ -37,6 +40,47 @@ TEST(AlignSubmaps, PointToPlaneFindsTheTruthFromDriftedStarts) {
     EXPECT_LT(error.angle_rad(), 0.004) << shift_m;
     EXPECT_TRUE(result.unobservable.empty());
   }
+}
+
+// A hall of 48 by 6 m with cupboards at uneven distances, seen 5 m far every 4 m; the map has the robot off to its left
+// by as much as `left_m` says for each scan.
+Submap hall_seen_along(const std::vector<double>& left_m, std::uint64_t seed) {
+  testing::Scene hall = {{{-1.0, -0.2, -0.2}, {49.0, 6.2, 0.0}}, {{-1.0, -0.2, 3.0}, {49.0, 6.2, 3.2}},
+                         {{-1.0, -0.2, 0.0}, {49.0, 0.0, 3.0}},  {{-1.0, 6.0, 0.0}, {49.0, 6.2, 3.0}},
+                         {{-1.0, 0.0, 0.0}, {-0.8, 6.0, 3.0}},   {{48.8, 0.0, 0.0}, {49.0, 6.0, 3.0}}};
+  for (int k = 0; k < 16; ++k) {
+    const double at_m = 1.0 + 2.9 * k + 0.4 * ((k * 7) % 5);
+    const double low_m = k % 2 == 0 ? 0.0 : 5.4;
+    hall.push_back({{at_m, low_m, 0.0}, {at_m + 0.8, low_m + 0.6, 2.0}});
+  }
+  Submap submap;
+  MapBuilder builder({.resolution_m = 0.1, .min_range_m = 0.3, .max_range_m = 5.0});
+  for (std::size_t i = 0; i < left_m.size(); ++i) {
+    const double x_m = 2.0 + 4.0 * static_cast<double>(i);
+    const Pose3 believed = pose_at(x_m, 3.0 + left_m[i], 1.5, 0.0);
+    std::vector<Eigen::Vector3d> points = testing::scan(hall, pose_at(x_m, 3.0, 1.5, 0.0), 0.01, 1000 * seed + i);
+    for (Eigen::Vector3d& point : points) point = believed * point;
+    builder.insert_scan(points, believed.translation_m());
+  }
+  submap.map = builder.finish();
+  return submap;
+}
+
+// Two of twelve scans lie 15 cm off. Most surfaces meet where the others are; the least apart, as a mean square, is
+// what lies a sixth of the way towards them.
+TEST(AlignSubmaps, ABentSubmapIsPutWhereAllOfItIsLeastApart) {
+  const Submap target = hall_seen_along(std::vector<double>(12, 0.0), 1);
+  std::vector<double> left_m(12, 0.0);
+  left_m[5] = left_m[6] = 0.15;
+  const Submap source = hall_seen_along(left_m, 2);
+  const RegistrationResult result =
+      run({target, source, {}}, pose_at(0.05, 0.05, 0.0, 0.0), RegistrationMethod::kPointToPlane);
+  ASSERT_TRUE(result.converged());
+  EXPECT_EQ(result.bend.kind, BendKind::kSource);
+  EXPECT_NEAR(result.bend.rms_m, 0.15 * std::sqrt(5.0 / 36.0), 0.012);
+  const Eigen::Vector3d middle_m(24.0, 3.0, 1.5);
+  EXPECT_NEAR((result.T_target_source_closest * middle_m - middle_m).y(), 0.0, 0.01);
+  EXPECT_NEAR((result.T_target_source * middle_m - middle_m).y(), -0.15 / 6.0, 0.01);
 }
 
 RegistrationResult run_widely(const SubmapPair& pair, const Pose3& start) {

@@ -15,8 +15,11 @@ constexpr double kPatchShare = 0.6;
 constexpr double kLeastPatch_m = 1e-4;
 // A bend is smooth: what lies this near each other is off alike. [m]
 constexpr double kBendCell_m = 8.0;
-// A bend is the length of a displacement, mostly level: half its square along each level axis.
+// A bend is the length of a displacement, mostly level: half its square along each level axis. Where it was followed
+// through time, the pose is the one that leaves the least of it, and a hundredth is left: then what constraints are off
+// by is what their covariances say (median of twelve missions with drift, bent by up to 10 cm).
 constexpr double kBendShare = 0.5;
+constexpr double kBendShareInTime = 0.01;
 
 }  // namespace
 
@@ -29,7 +32,8 @@ Matrix6 displacement_form(const Eigen::Matrix3d& scatter_m2) {
 Matrix6 plane_covariance(std::span<const PlaneResidual> residuals, const NormalEquations& equations,
                          const ObservableSplit& split, const Bend& bend) {
   const PatchOffsets of_surfaces{.cell_m = kPatch_m, .of_residuals = kPatchShare, .sigma_m = kLeastPatch_m};
-  const PatchOffsets of_bend{.cell_m = kBendCell_m, .sigma_m = std::sqrt(kBendShare) * bend.rms_m};
+  const double share = bend.kind == BendKind::kSpace ? kBendShare : kBendShareInTime;
+  const PatchOffsets of_bend{.cell_m = kBendCell_m, .sigma_m = std::sqrt(share) * bend.rms_m};
   return offset_covariance(residuals, equations, split, of_surfaces) +
          offset_covariance(residuals, equations, split, of_bend) + blur_covariance(equations, split);
 }

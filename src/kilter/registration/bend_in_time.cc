@@ -1,0 +1,240 @@
+// SPDX-FileCopyrightText: The kilter authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "kilter/registration/bend_in_time.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include "kilter/registration/patches.h"
+#include "kilter/registration/plane_matches.h"
+#include "kilter/registration/sum_jacobians.h"
+#include "kilter/registration/uncertainty.h"
+
+namespace kilter {
+namespace {
+
+constexpr int kBins = 12;  // of the time of each submap
+constexpr std::size_t kFewestResiduals = 300;
+// Scale of the law by which a submap drifts from one bin to the next, as a share of the kernel's: what a wide kernel
+// sees may be a slip.
+constexpr double kStepOfKernel = 0.2;
+constexpr double kTie_m = 1.0;   // a bin is not thought to lie off by more
+constexpr double kShrink = 0.6;  // of the kernel, from one round to the next
+constexpr int kLastRounds = 4;   // at the final kernel
+// A patch lies off as a whole by this share of its mean square residual, and by this much of a voxel.
+constexpr double kPatchShare = 0.3;
+constexpr double kLeastPatchVoxels = 0.05;
+constexpr double kWholePatch = 10.0;  // smaller ones (sum of weights) count by their share of this
+// How far the measured RMS is from the true one, as a share of it: one standard deviation, seen where the truth is
+// known.
+constexpr double kScatter = 0.1;
+
+// Two ways to see the same scene at other times: what the source saw in one bin and the target in another.
+struct Cell {
+  int source = 0;  // unknowns 6 * source ..
+  int target = 0;  // and 6 * target ..
+  std::size_t first = 0;
+  std::size_t last = 0;
+  Matrix6 form = Matrix6::Zero();  // sum over its places of the square that a motion displaces them by
+};
+
+// All that one solution of the weighted problem needs and leaves.
+class TimedMotions {
+ public:
+  TimedMotions(std::span<const PlaneResidual> residuals, const PairGrain& grain);
+
+  // One round at this scale of the kernel.
+  void improve(double scale_m);
+  [[nodiscard]] Bend bend() const;
+
+ private:
+  [[nodiscard]] Vector6 motion_of(const Cell& cell) const {
+    return motions_.segment<6>(6 * cell.source) - motions_.segment<6>(6 * cell.target);
+  }
+  void weigh(double scale_m);
+  void add_steps(int first_bin, int bins, double step_m, Eigen::MatrixXd& information) const;
+  [[nodiscard]] double square_about_mean(int first_bin, int bins) const;
+
+  PairGrain grain_;
+  int source_bins_ = 1;
+  int target_bins_ = 1;
+  Eigen::Vector3d centre_m_ = Eigen::Vector3d::Zero();
+  double radius_m_ = 1.0;                 // rotations times this are lengths
+  std::vector<PlaneResidual> residuals_;  // by cell; their weights are what weigh() makes of planarities
+  std::vector<double> planarity_;
+  std::vector<std::uint32_t> patch_;
+  std::size_t patches_ = 0;
+  std::vector<Cell> cells_;
+  Matrix6 form_ = Matrix6::Zero();  // of all cells
+  Eigen::VectorXd motions_;         // of the source's bins, then of the target's; rotations times the radius
+  Eigen::LLT<Eigen::MatrixXd> factor_;
+};
+
+TimedMotions::TimedMotions(std::span<const PlaneResidual> residuals, const PairGrain& grain) : grain_(grain) {
+  const TimesKnown known = times_known(residuals);
+  if (known.source) source_bins_ = kBins;
+  if (known.target) target_bins_ = kBins;
+  const auto bin = [](std::uint8_t at, int bins) { return at * bins / 256; };
+  const auto cell_of = [&](const PlaneResidual& r) {
+    return static_cast<std::size_t>(bin(r.source_at, source_bins_) * target_bins_ + bin(r.target_at, target_bins_));
+  };
+  std::vector<std::size_t> firsts(static_cast<std::size_t>(source_bins_ * target_bins_) + 1, 0);
+  for (const PlaneResidual& r : residuals) ++firsts[cell_of(r) + 1];
+  for (std::size_t k = 1; k < firsts.size(); ++k) firsts[k] += firsts[k - 1];
+  for (std::size_t k = 0; k + 1 < firsts.size(); ++k) {
+    if (firsts[k] == firsts[k + 1]) continue;
+    const int at = static_cast<int>(k);
+    cells_.push_back({at / target_bins_, source_bins_ + at % target_bins_, firsts[k], firsts[k + 1]});
+  }
+  residuals_.resize(residuals.size());
+  for (const PlaneResidual& r : residuals) residuals_[firsts[cell_of(r)]++] = r;
+
+  for (const PlaneResidual& r : residuals_) centre_m_ += r.point_m / static_cast<double>(residuals_.size());
+  radius_m_ = std::sqrt(std::max(scatter_about(residuals_, centre_m_).trace(), grain.edge_m * grain.edge_m));
+  planarity_.reserve(residuals_.size());
+  for (const PlaneResidual& r : residuals_) planarity_.push_back(r.weight);
+  patch_ = patch_numbers(residuals_, centre_m_, kPatch_m);
+  patches_ = patch_.empty() ? 0 : *std::max_element(patch_.begin(), patch_.end()) + std::size_t{1};
+  for (Cell& cell : cells_) {
+    for (std::size_t i = cell.first; i < cell.last; ++i) {
+      // |v + w x a|^2 = |v|^2 + 2 w . (a x v) + |w|^2 |a|^2 - (w . a)^2
+      const Eigen::Vector3d a = (residuals_[i].point_m - centre_m_) / radius_m_;
+      Eigen::Matrix3d across;  // across * v = a x v
+      across << 0.0, -a.z(), a.y(), a.z(), 0.0, -a.x(), -a.y(), a.x(), 0.0;
+      cell.form.topLeftCorner<3, 3>() += Eigen::Matrix3d::Identity();
+      cell.form.bottomLeftCorner<3, 3>() += across;
+      cell.form.bottomRightCorner<3, 3>() += a.squaredNorm() * Eigen::Matrix3d::Identity() - a * a.transpose();
+    }
+    cell.form.topRightCorner<3, 3>() = cell.form.bottomLeftCorner<3, 3>().transpose();
+    form_ += cell.form;
+  }
+  motions_ = Eigen::VectorXd::Zero(6 * (source_bins_ + target_bins_));
+}
+
+// A residual weighs what its patch knows, divided among all of the patch.
+void TimedMotions::weigh(double scale_m) {
+  std::vector<double> weights(patches_, 0.0);
+  std::vector<double> squares_m2(patches_, 0.0);
+  for (const Cell& cell : cells_) {
+    Vector6 motion = motion_of(cell);
+    motion.tail<3>() /= radius_m_;
+    for (std::size_t i = cell.first; i < cell.last; ++i) {
+      PlaneResidual& r = residuals_[i];
+      const double left_m = r.residual_m + plain_jacobian(r, centre_m_).dot(motion);
+      r.weight = planarity_[i] * geman_mcclure(left_m, scale_m);
+      weights[patch_[i]] += r.weight;
+      squares_m2[patch_[i]] += r.weight * left_m * left_m;
+    }
+  }
+  const double least_m = kLeastPatchVoxels * grain_.edge_m;
+  std::vector<double> shares(patches_, 0.0);
+  for (std::size_t k = 0; k < patches_; ++k) {
+    if (weights[k] <= 0.0) continue;
+    const double variance_m2 = kPatchShare * squares_m2[k] / weights[k] + least_m * least_m + grain_.variance_m2;
+    shares[k] = std::min(1.0 / weights[k], 1.0 / kWholePatch) / variance_m2;
+  }
+  for (std::size_t i = 0; i < residuals_.size(); ++i) residuals_[i].weight *= shares[patch_[i]];
+}
+
+void TimedMotions::add_steps(int first_bin, int bins, double step_m, Eigen::MatrixXd& information) const {
+  for (int bin = first_bin; bin + 1 < first_bin + bins; ++bin) {
+    const Vector6 step = motions_.segment<6>(6 * (bin + 1)) - motions_.segment<6>(6 * bin);
+    const double precision = 2.0 / (step_m * step_m + step.squaredNorm());
+    for (int k = 6 * bin; k < 6 * bin + 6; ++k) {
+      information(k, k) += precision;
+      information(k + 6, k + 6) += precision;
+      information(k + 6, k) -= precision;
+    }
+  }
+}
+
+void TimedMotions::improve(double scale_m) {
+  const Eigen::Index unknowns = motions_.size();
+  weigh(scale_m);
+  Vector6 to_lengths = Vector6::Ones();
+  to_lengths.tail<3>() /= radius_m_;
+  Eigen::MatrixXd information = Eigen::MatrixXd::Zero(unknowns, unknowns);  // its lower triangle
+  information.diagonal().setConstant(1.0 / (kTie_m * kTie_m));
+  Eigen::VectorXd gradient = Eigen::VectorXd::Zero(unknowns);
+  const SumJacobians sum_jacobians = sum_jacobians_with(vector_paths().back());
+  for (const Cell& cell : cells_) {
+    JacobianSums sums = sum_jacobians(std::span(residuals_).subspan(cell.first, cell.last - cell.first), centre_m_);
+    sums.information = to_lengths.asDiagonal() * sums.information * to_lengths.asDiagonal();
+    sums.gradient = sums.gradient.cwiseProduct(to_lengths);
+    information.block<6, 6>(6 * cell.source, 6 * cell.source) += sums.information;
+    information.block<6, 6>(6 * cell.target, 6 * cell.target) += sums.information;
+    information.block<6, 6>(6 * cell.target, 6 * cell.source) -= sums.information;
+    gradient.segment<6>(6 * cell.source) += sums.gradient;
+    gradient.segment<6>(6 * cell.target) -= sums.gradient;
+  }
+  add_steps(0, source_bins_, kStepOfKernel * scale_m, information);
+  add_steps(source_bins_, target_bins_, kStepOfKernel * scale_m, information);
+  factor_.compute(information);
+  motions_ = factor_.solve(-gradient);
+}
+
+// Mean square over the places by which one submap's own motions displace them, less the part that all have in common.
+double TimedMotions::square_about_mean(int first_bin, int bins) const {
+  Vector6 pull = Vector6::Zero();
+  double square = 0.0;
+  for (const Cell& cell : cells_) {
+    const int bin = cell.source >= first_bin && cell.source < first_bin + bins ? cell.source : cell.target;
+    const Vector6 motion = motions_.segment<6>(6 * bin);
+    pull += cell.form * motion;
+    square += motion.dot(cell.form * motion);
+  }
+  return square - pull.dot(form_.ldlt().solve(pull));
+}
+
+Bend TimedMotions::bend() const {
+  Vector6 pull = Vector6::Zero();
+  for (const Cell& cell : cells_) pull += cell.form * motion_of(cell);
+  Vector6 common = form_.ldlt().solve(pull);
+  double square = 0.0;
+  Eigen::VectorXd slope = Eigen::VectorXd::Zero(motions_.size());  // of the mean square
+  const auto places = static_cast<double>(residuals_.size());
+  for (const Cell& cell : cells_) {
+    const Vector6 left = motion_of(cell) - common;
+    const Vector6 of_left = cell.form * left;
+    square += left.dot(of_left) / places;
+    slope.segment<6>(6 * cell.source) += 2.0 / places * of_left;
+    slope.segment<6>(6 * cell.target) -= 2.0 / places * of_left;
+  }
+  Bend bend;
+  bend.rms_m = std::sqrt(std::max(square, 0.0));
+  const double scatter_m2 = 2.0 * kScatter * square;
+  bend.variance_m4 = slope.dot(factor_.solve(slope)) + scatter_m2 * scatter_m2;
+  const bool of_source = square_about_mean(0, source_bins_) >= square_about_mean(source_bins_, target_bins_);
+  bend.kind = of_source ? BendKind::kSource : BendKind::kTarget;
+  bend.parts = static_cast<int>(cells_.size());
+  common.tail<3>() /= radius_m_;
+  bend.common = common;
+  bend.centre_m = centre_m_;
+  return bend;
+}
+
+}  // namespace
+
+TimesKnown times_known(std::span<const PlaneResidual> residuals) {
+  const auto differ = [&](std::uint8_t PlaneResidual::*seen_at) {
+    return std::any_of(residuals.begin(), residuals.end(),
+                       [&](const PlaneResidual& r) { return r.*seen_at != residuals.front().*seen_at; });
+  };
+  return {differ(&PlaneResidual::source_at), differ(&PlaneResidual::target_at)};
+}
+
+Bend bend_in_time(std::span<const PlaneResidual> residuals, const PairGrain& grain, double reach_m) {
+  if (residuals.size() < kFewestResiduals) return {};
+  TimedMotions motions(residuals, grain);
+  int last_rounds = 0;
+  for (double scale_m = 0.5 * reach_m; last_rounds < kLastRounds; scale_m = std::max(scale_m * kShrink, grain.edge_m)) {
+    last_rounds += scale_m <= grain.edge_m ? 1 : 0;
+    motions.improve(scale_m);
+  }
+  return motions.bend();
+}
+
+}  // namespace kilter
