@@ -315,7 +315,7 @@ TEST(JudgePair, ARegistrationThatIsNotBelievedSaysLittleOfTheProbability) {
   PairEvidence pair = pair_moved(0.6, 0.01);
   pair.registered->overlap = 0.3;  // lost
   const PairVerdict doubted = judge_pair(pair, {}, {});
-  EXPECT_NEAR(*doubted.log_odds, std::log(20.0 * 0.05 / 0.95), 0.01);
+  EXPECT_NEAR(*doubted.log_odds, std::log(100.0 * 0.05 / 0.95), 0.01);
   EXPECT_FALSE(doubted.p_value);
   EXPECT_NEAR(*doubted.log_odds, *doubted.evidence.at("disagreement").log_ratio + std::log(0.05 / 0.95), 1e-12);
   PairEvidence still = pair_moved(0.01, 0.01);
