@@ -45,7 +45,11 @@ class Report(unittest.TestCase):
     def test_what_is_no_archive_is_named(self):
         self.refused(self.tiny.folder / "absent", 3, "absent")
         self.refused(self.out / "result.json", 3, "result.json: expected an archive of kilter")
-        self.refused(self.tiny.mission, 3, "result.kilter")
+
+    def test_what_holds_no_result_is_told_how_to_make_one(self):
+        self.refused(self.tiny.mission, 3, "mission: expected the folder of a result, found no result.kilter in it")
+        for source in (self.tiny.mission, self.tiny.folder / "absent"):
+            self.refused(source, 3, "`kilter check SOURCE -o OUT` makes one")
 
     def test_a_damaged_archive_is_refused_with_its_place(self):
         whole = (self.out / "result.kilter").read_bytes()

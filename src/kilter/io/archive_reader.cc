@@ -4,7 +4,6 @@
 #include <bit>
 #include <cmath>
 #include <optional>
-#include <system_error>
 
 #include <fmt/format.h>
 
@@ -12,6 +11,7 @@
 #include "kilter/io/archive_format.h"
 #include "kilter/io/byte_cursor.h"
 #include "kilter/io/file.h"
+#include "kilter/io/result_file.h"
 #include "kilter/io/result_outline.h"
 
 namespace kilter {
@@ -20,6 +20,9 @@ namespace {
 namespace format = archive_format;
 
 constexpr const char* kHint = "kilter check writes result.kilter; run it again with the same sources";
+constexpr const char* kTakes =
+    "kilter report takes the output folder of kilter check (`kilter check SOURCE -o OUT` makes one), or its "
+    "result.kilter";
 
 // Takes numbers from one section. After the first failure everything else fails too, so callers may ask once.
 class Section {
@@ -214,8 +217,7 @@ Expected<std::vector<std::string_view>> split(std::string_view bytes, const std:
   ByteCursor cursor(bytes);
   const auto magic = cursor.take(format::kMagic.size());
   if (!magic || *magic != format::kMagic) {
-    return fail(ErrorCode::kParse, "expected an archive of kilter: the first bytes are others", where,
-                "kilter report takes the output folder of kilter check, or its result.kilter");
+    return fail(ErrorCode::kParse, "expected an archive of kilter: the first bytes are others", where, kTakes);
   }
   const auto head = cursor.take(8);
   if (!head) return cut_short(where, bytes.size());
@@ -286,12 +288,11 @@ Expected<Archive> parse_archive(std::string_view bytes, const std::string& where
 }
 
 Expected<std::string> read_archive_bytes(const std::filesystem::path& result) {
-  std::error_code error;
-  const bool is_folder = std::filesystem::is_directory(result, error);
-  const std::filesystem::path file = is_folder ? result / "result.kilter" : result;
-  auto bytes = read_file(file);
+  const auto file = find_result_file(result, "result.kilter", kTakes);
+  if (!file) return pass_up(file.error());
+  auto bytes = read_file(*file);
   if (!bytes) return pass_up(bytes.error());
-  const auto archive = parse_archive(bytes->view(), shown(file));
+  const auto archive = parse_archive(bytes->view(), shown(*file));
   if (!archive) return pass_up(archive.error());
   return std::string(bytes->view());
 }

@@ -6,9 +6,9 @@
 #include <nlohmann/json.hpp>
 
 #include <cstdint>
-#include <system_error>
 
 #include "kilter/io/file.h"
+#include "kilter/io/result_file.h"
 
 namespace kilter {
 namespace {
@@ -121,12 +121,11 @@ Expected<Cuts> parse_cuts(std::string_view json_text, const std::string& where) 
 }
 
 Expected<Cuts> read_cuts(const std::filesystem::path& result) {
-  std::error_code error;
-  const bool is_folder = std::filesystem::is_directory(result, error);
-  const std::filesystem::path file = is_folder ? result / "result.json" : result;
-  const auto bytes = read_file(file);
+  const auto file = find_result_file(result, "result.json", kTakes);
+  if (!file) return pass_up(file.error());
+  const auto bytes = read_file(*file);
   if (!bytes) return pass_up(bytes.error());
-  return parse_cuts(bytes->view(), shown(file));
+  return parse_cuts(bytes->view(), shown(*file));
 }
 
 }  // namespace kilter

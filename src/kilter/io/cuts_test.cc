@@ -3,6 +3,7 @@
 #include "kilter/io/cuts.h"
 
 #include <fmt/format.h>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <string>
@@ -99,8 +100,18 @@ TEST(ReadCuts, TakesAFileOrAnOutputFolder) {
   const auto file = folder.write("out/result.json", result_of({submap("a", "0", "3")}));
   EXPECT_EQ(read_cuts(file).value().at("a").size(), 1U);
   EXPECT_EQ(read_cuts(file.parent_path()).value().at("a").size(), 1U);
-  EXPECT_EQ(read_cuts(folder.path()).error().code, ErrorCode::kNotFound);
-  EXPECT_EQ(read_cuts(folder.path() / "none").error().code, ErrorCode::kNotFound);
+}
+
+TEST(ReadCuts, SaysWhatItTakesWhereThereIsNoResult) {
+  const TempFolder folder;
+  for (const auto& path : {folder.path(), folder.path() / "none"}) {
+    const auto cuts = read_cuts(path);
+    ASSERT_FALSE(cuts.has_value());
+    EXPECT_EQ(cuts.error().code, ErrorCode::kNotFound);
+    EXPECT_EQ(cuts.error().where, path.string());
+    EXPECT_THAT(cuts.error().hint, testing::HasSubstr("the output folder of `kilter check`"));
+  }
+  EXPECT_THAT(read_cuts(folder.path()).error().message, testing::HasSubstr("found no result.json in it"));
 }
 
 }  // namespace
