@@ -205,6 +205,17 @@ class Malformed(unittest.TestCase):
         said = f"{file}: expected a folder that holds ROBOT/poses.* for each robot, found a file\n"
         self.refused(3, "unsupported", said, self.tiny.mission, "--poses", file)
 
+    def test_poses_are_looked_for_below_the_robots_names(self):
+        folder = self.tiny.mission / "a"
+        said = f"{folder}: expected a/poses.* in it, found no a\n  try: name the folder above the robots' folders"
+        self.refused(3, "not-found", said, self.tiny.mission, "--poses", folder)
+        empty = self.tiny.folder / "nobodys poses"
+        empty.mkdir()
+        said = f"{empty}: expected a/poses.* in it, found no a\n  try: call the robot as its folder there is called"
+        self.refused(3, "not-found", said, self.tiny.mission, "--poses", empty)
+        takes = "try: --poses takes a folder that holds ROBOT/poses.* for each robot"
+        self.refused(3, "not-found", takes, self.tiny.mission, "--poses", empty / "absent")
+
     def test_a_scan_without_one_usable_point_is_told_of(self):
         mission = self.tiny.copy("patchy")
         (mission / "a" / "scans" / "000000.bin").write_bytes(struct.pack("<4f", NAN, NAN, NAN, 0.0) * 50)

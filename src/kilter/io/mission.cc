@@ -69,10 +69,27 @@ Expected<void> replace_poses(RobotLog& log, const fs::path& folder) {
   return {};
 }
 
-Expected<void> check_poses_folder(const MissionOptions& options) {
-  if (!options.poses_folder || !is_file(*options.poses_folder)) return {};
-  return fail(ErrorCode::kUnsupported, "expected a folder that holds ROBOT/poses.* for each robot, found a file",
-              shown(*options.poses_folder), "name the folder above the robots' folders");
+// --poses of what is there, and a folder for every robot in it.
+Expected<void> check_poses_folder(const MissionOptions& options, const std::vector<FoundRobot>& robots) {
+  if (!options.poses_folder) return {};
+  const fs::path& folder = *options.poses_folder;
+  if (is_file(folder)) {
+    return fail(ErrorCode::kUnsupported, "expected a folder that holds ROBOT/poses.* for each robot, found a file",
+                shown(folder), "name the folder above the robots' folders");
+  }
+  if (auto type = type_at(folder); !type) {
+    if (type.error().hint.empty()) type.error().hint = "--poses takes a folder that holds ROBOT/poses.* for each robot";
+    return pass_up(std::move(type.error()));
+  }
+  for (const FoundRobot& robot : robots) {
+    const auto type = type_at(folder / robot.name);
+    if (type || type.error().code != ErrorCode::kNotFound || !type.error().hint.empty()) continue;
+    return fail(ErrorCode::kNotFound, fmt::format("expected {0}/poses.* in it, found no {0}", printable(robot.name)),
+                shown(folder),
+                find_pose_file(folder) ? "name the folder above the robots' folders"
+                                       : "call the robot as its folder there is called: NAME=PATH");
+  }
+  return {};
 }
 
 Expected<RobotLog> open_robot(const FoundRobot& robot, const MissionOptions& options, std::vector<std::string>& notes) {
@@ -107,7 +124,7 @@ Expected<Mission> open_mission(const std::vector<std::string>& sources, const Mi
   auto robots = find_robots(sources);
   if (!robots) return pass_up(robots.error());
   if (auto ok = check_sensor_names(options, *robots); !ok) return pass_up(ok.error());
-  if (auto ok = check_poses_folder(options); !ok) return pass_up(ok.error());
+  if (auto ok = check_poses_folder(options, *robots); !ok) return pass_up(ok.error());
   Mission mission;
   for (const std::string& source : sources) mission.sources.emplace_back().source = source;
   for (const FoundRobot& robot : *robots) {

@@ -343,7 +343,7 @@ TEST(OpenMission, TakesPosesFromElsewhere) {
   folder.write("truth/a/poses.txt", "0 7 0 0 0 0 0 1\n1 8 0 0 0 0 0 1\n");
   const MissionOptions options = {.poses_folder = folder.path() / "truth", .T_body_sensor = {}};
   const std::vector<std::string> source = {(folder.path() / "m").string()};
-  expect_error(open_mission(source, options), ErrorCode::kNotFound, "truth/b");
+  expect_error(open_mission(source, options), ErrorCode::kNotFound, "expected b/poses.* in it, found no b");
   folder.write("truth/b/poses.txt", poses(1));
   expect_error(open_mission(source, options), ErrorCode::kCountMismatch, "1 poses in poses.txt, but 2 files");
   folder.write("truth/b/poses.txt", poses(2));
