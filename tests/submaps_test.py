@@ -125,6 +125,14 @@ class Submaps(unittest.TestCase):
         self.assertIn(f"usage: -o {self.tiny.mission / 'a'}: this is a robot's own folder", run.stderr)
         self.assertEqual(sorted(self.tiny.mission.rglob("*")), before)
 
+    def test_the_folder_of_the_scans_stays_theirs(self):
+        scans = self.tiny.mission / "a" / "scans"
+        before = sorted(self.tiny.mission.rglob("*"))
+        run = run_kilter("submaps", self.tiny.mission, "-o", scans)
+        self.assertEqual((run.status, run.stdout), (2, ""))
+        self.assertIn(f"usage: -o {scans}: the clouds of robot a lie here", run.stderr)
+        self.assertEqual(sorted(self.tiny.mission.rglob("*")), before)
+
     def test_folders_of_others_are_refused(self):
         run = run_kilter("submaps", self.tiny.mission, "-o", self.tiny.mission)
         self.assertEqual((run.status, run.stdout), (2, ""))

@@ -17,6 +17,7 @@
 #include "apps/kilter/known_cuts.h"
 #include "apps/kilter/output_folder.h"
 #include "apps/kilter/signals.h"
+#include "apps/kilter/source_clouds.h"
 #include "apps/kilter/submap_writer.h"
 #include "apps/kilter/terminal.h"
 #include "apps/kilter/unused_keys.h"
@@ -98,6 +99,9 @@ Done<Job> open_job(const SubmapsCommand& command) {
   if (!cuts) return failed(cuts.error());
   job.cuts = *std::move(cuts);
   if (auto fit = probe_output_folder(command.output_folder, {kPoseGraph}); !fit) return failed(fit.error(), true);
+  if (auto fit = check_apart_from_clouds(command.output_folder, {kPoseGraph}, command.sources, job.mission); !fit) {
+    return failed(fit.error());
+  }
   if (is_robot_folder(command.output_folder)) {
     return failed({ErrorCode::kUsage, "this is a robot's own folder, below which check looks for no other robots",
                    "-o " + shown(command.output_folder), "name another folder with -o"});
