@@ -23,7 +23,8 @@ const kHeadline = {
 function certificate(result: Result): string {
   const { certificate_m, certificate_excludes } = result.system;
   if (certificate_m === null) return "Nothing can be certified about the whole map at 95 %.";
-  const atMost = Math.ceil(100 * certificate_m - 1e-9) / 100; // rounded down it would claim more than was shown
+  // Rounded down it would claim more than was shown, as 0.00 m would of two copies of one robot.
+  const atMost = Math.max(0.01, Math.ceil(100 * certificate_m - 1e-9) / 100);
   let text = `Certified at 95 %: consistent to ${atMost.toFixed(2)} m`;
   const count = certificate_excludes.length;
   if (count > 0) {

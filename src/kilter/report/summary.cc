@@ -55,8 +55,8 @@ void add_verdict(Lines& lines, const Result& result, const SummaryOptions& optio
   lines.insert(lines.end(), block.begin(), block.end());
 }
 
-// Rounded down, a certificate would claim more than was shown.
-double to_centimetres_above(double metres) { return std::ceil(100.0 * metres - 1e-9) / 100.0; }
+// Rounded down, a certificate would claim more than was shown; 0.00 m of two copies of one robot would, too.
+double to_centimetres_above(double metres) { return std::max(0.01, std::ceil(100.0 * metres - 1e-9) / 100.0); }
 
 void add_certificate(Lines& lines, const Result& result) {
   const MapVerdict& system = result.system;

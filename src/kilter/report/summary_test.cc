@@ -174,6 +174,7 @@ TEST(Summary, SaysWhatTheCertificateLeavesOut) {
   EXPECT_THAT(said_of(0.0036), HasSubstr("consistent to 0.01 m at 95 %")) << "never less than it is";
   EXPECT_THAT(said_of(0.2204), HasSubstr("consistent to 0.23 m at 95 %"));
   EXPECT_THAT(said_of(0.29), HasSubstr("consistent to 0.29 m at 95 %"));
+  EXPECT_THAT(said_of(0.0), HasSubstr("consistent to 0.01 m at 95 %")) << "nor -0.00";
   result.system.certificate_m.reset();
   EXPECT_THAT(summary(result), HasSubstr("Certified   none"));
 }
