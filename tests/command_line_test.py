@@ -47,6 +47,14 @@ class Help(unittest.TestCase):
             for option in COMMON:
                 self.assertIn(option, run.stdout, command)
 
+    def test_options_that_must_be_there_are_marked(self):
+        for command in ("report", "simulate", "submaps"):
+            self.assertRegex(run_kilter(command, "--help").stdout, r"(?m)^ +-o,--output \S+ REQUIRED\s")
+
+    def test_commands_of_config_are_told_like_others(self):
+        self.assertIn('usage: there is no command "kilter config shwo"\n', run_kilter("config", "shwo").stderr)
+        self.assertIn("usage: kilter config expects a command of its own\n", run_kilter("config").stderr)
+
     def test_the_version_is_the_projects(self):
         cmake = (SOURCE_DIR / "CMakeLists.txt").read_text(encoding="utf-8")
         version = re.search(r"VERSION (\d+\.\d+\.\d+)", cmake)[1]
@@ -55,6 +63,7 @@ class Help(unittest.TestCase):
     def test_what_was_meant_is_offered(self):
         for arguments, part in ((("chekc",), "kilter check"), (("check", "x", "--quite"), "--quiet"),
                                 (("explain", "parze"), "kilter explain parse"), (("config",), "kilter config --help"),
+                                (("config", "shwo"), "kilter config --help"),
                                 ((), "kilter --help")):
             run = run_kilter(*arguments)
             self.assertEqual((run.status, run.stdout), (2, ""), run.stderr)

@@ -70,6 +70,13 @@ class Simulate(unittest.TestCase):
         self.assertEqual((missed["kind"], missed["robot"], missed["against_robot"]), ("missed-closure", "b", "b"))
         self.assertAlmostEqual(missed["size_m"], 0.7, delta=0.05)
 
+    def test_one_robot_is_counted_and_a_fault_of_another_names_the_last(self):
+        run = run_kilter("simulate", "office", "-o", self.folder / "alone", "--robots", "1", "--fault", "none", *QUICK)
+        self.assertRegex(run.stdout, r"^\d+ scans of 1 robot in ")
+        run = run_kilter("simulate", "office", "-o", self.folder / "b", "--robots", "1", "--fault", "slip:b", *QUICK)
+        self.assertEqual(run.status, 2)
+        self.assertIn("no room for the fault slip: the last robot is a\n", run.stderr)
+
     def test_a_larger_office_has_its_own_faults_too(self):
         for scale in ("2", "5"):
             made = self.simulate("large", "office", "--scale", scale, "--scan-step", "4", "--columns", "36", "--replace")

@@ -84,9 +84,13 @@ std::pair<const CLI::App*, std::string> called_command(const CLI::App& program) 
   return {command, words};
 }
 
-// Two complaints that CLI11 words for who wrote the program, not for who calls it.
-std::string reworded(const CLI::ParseError& error) {
+// Complaints that CLI11 words for who wrote the program, not for who calls it.
+std::string reworded(const CLI::ParseError& error, const std::string& words, const std::vector<std::string>& unread) {
   std::string text = error.what();
+  if (text == "A subcommand is required") {
+    return unread.empty() ? words + " expects a command of its own"
+                          : fmt::format("there is no command \"{} {}\"", words, printable(unread.front(), 80));
+  }
   if (dynamic_cast<const CLI::ArgumentMismatch*>(&error) == nullptr) return text;
   const std::string name = text.substr(0, text.find(':'));
   constexpr std::string_view kTooMany = ": At Most 1 required but received ";
@@ -99,7 +103,7 @@ int refuse_command_line(const CLI::App& program, const CLI::ParseError& error) {
   const auto [command, words] = called_command(program);
   const std::vector<std::string> unread = program.remaining(true);
   if (dynamic_cast<const CLI::ExtrasError*>(&error) == nullptr || unread.empty()) {
-    return print_error({ErrorCode::kUsage, printable(reworded(error), 400), {}, words + " --help"});
+    return print_error({ErrorCode::kUsage, printable(reworded(error, words, unread), 400), {}, words + " --help"});
   }
   std::vector<std::string> names;
   for (const CLI::Option* option : command->get_options()) names.push_back(option->get_name());

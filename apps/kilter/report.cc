@@ -66,7 +66,7 @@ void add_report_command(CLI::App& program, int& status) {
   const auto command = std::make_shared<ReportCommand>();
   CLI::App* app = program.add_subcommand("report", "the report again, from a result of check");
   app->add_option("RESULT", command->result, "an output folder of `kilter check`, or its result.kilter")->required();
-  app->add_option("-o,--output", command->output, "the page to write")->option_text("FILE.html")->required();
+  app->add_option("-o,--output", command->output, "the page to write")->option_text("FILE.html REQUIRED")->required();
   add_common_options(*app, command->common);
   app->callback([command, &status] { status = run_report(*command); });
 }

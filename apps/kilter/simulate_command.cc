@@ -76,8 +76,8 @@ std::string as_json(const SimulateSummary& summary) {
 }
 
 std::string as_text(const SimulateSummary& summary, const std::string& folder) {
-  std::string text = fmt::format("{} scans of {} robots in {}/mission, the truth in {}/truth\n", summary.scans,
-                                 summary.robots.size(), folder, folder);
+  std::string text = fmt::format("{} scans of {} robot{} in {}/mission, the truth in {}/truth\n", summary.scans,
+                                 summary.robots.size(), summary.robots.size() == 1 ? "" : "s", folder, folder);
   for (const Fault& fault : summary.faults) {
     text += fmt::format("  {}: robot {} at scan {}, {:.2f} m, {:.3f} rad\n", to_string(fault.kind),
                         robot_of(summary, fault), fault.scan, fault.size_m, fault.size_rad);
@@ -122,7 +122,7 @@ void add_simulate_command(CLI::App& program, int& status) {
   CLI::App* app = program.add_subcommand("simulate", "make a mission whose truth and faults are known");
   app->add_option("SCENE", request.scene, "kind of world")->required();
   app->add_option("-o,--output", request.writer.folder, "folder for mission/ and truth/")
-      ->option_text("DIR")
+      ->option_text("DIR REQUIRED")
       ->required();
   const auto set_seed = [&request](const std::string& text) { read_seed(text, request.options.seed); };
   app->add_option_function<std::string>("--seed", set_seed, "another seed, another world (1)")->option_text("N");

@@ -260,7 +260,7 @@ void add_submaps_command(CLI::App& program, int& status) {
   CLI::App* app = program.add_subcommand("submaps", "write the submaps that check would compare");
   app->add_option("SOURCE", command->sources, "a mission's folder, a robot's folder, or NAME=PATH")->required();
   app->add_option("-o,--output", command->output_folder, "folder for ROBOT/submaps/ and ROBOT/poses.tum")
-      ->option_text("DIR")
+      ->option_text("DIR REQUIRED")
       ->required();
   add_word_option<SubmapFormat>(
       *app, "--format", command->format,

@@ -255,6 +255,8 @@ TEST(OpenMission, ListsScansByExtensionAndNotesTheRest) {
   ASSERT_TRUE(mission) << to_string(mission.error());
   EXPECT_EQ(mission->notes, std::vector<std::string>{"robot a: 2 entries of scans/ were ignored: old, readme.txt"});
   EXPECT_TRUE(mission->robots[0].read_cloud(1));
+  fs::remove(folder.path() / "a/scans/readme.txt");
+  EXPECT_EQ(open(folder)->notes, std::vector<std::string>{"robot a: one entry of scans/ was ignored: old"});
 }
 
 TEST(OpenMission, NotesNumbersThatSortBytewiseOutOfOrder) {

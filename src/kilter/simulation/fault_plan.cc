@@ -119,7 +119,7 @@ bool path_near(Truth truth, const ScanRef& a, const ScanRef& b) {
 Expected<PlannedFault> plan_fault(Truth truth, const FaultRequest& request, std::span<const PlannedFault> earlier,
                                   Rng rng) {
   if (request.robot < 0 || static_cast<std::size_t>(request.robot) >= truth.size()) {
-    return no_room(request, "there is no robot " + std::to_string(request.robot));
+    return no_room(request, "the last robot is " + truth.back().name);
   }
   const auto r = static_cast<std::size_t>(request.robot);
   if (r == 0 && request.kind == FaultKind::kFrameOffset)

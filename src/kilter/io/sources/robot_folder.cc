@@ -78,8 +78,10 @@ std::optional<std::size_t> find_misorder(const std::vector<std::string>& files) 
 void note_oddities(const CloudList& list, const std::string& robot, const std::string& folder,
                    std::vector<std::string>& notes) {
   if (!list.ignored.empty()) {
-    notes.push_back(fmt::format("robot {}: {} entries of {}/ were ignored: {}", robot, list.ignored.size(), folder,
-                                some_of(list.ignored)));
+    notes.push_back(
+        fmt::format("robot {}: {} of {}/ {} ignored: {}", robot,
+                    list.ignored.size() == 1 ? "one entry" : std::to_string(list.ignored.size()) + " entries", folder,
+                    list.ignored.size() == 1 ? "was" : "were", some_of(list.ignored)));
   }
   if (const auto i = find_misorder(list.files)) {
     notes.push_back(
