@@ -26,7 +26,7 @@ enum class CloudFormat { kBin, kPcd, kPly, kLas };
 [[nodiscard]] Expected<PointCloud> read_cloud_file(const std::filesystem::path& path);
 
 /// Looks at a cloud's size and first bytes only. \return nothing if it cannot be opened; no count of points where the
-/// header does not tell or is broken.
+/// header does not tell or is broken. What is cut short may be told too late (CloudPeek::is_cut_short), never wrongly.
 [[nodiscard]] std::optional<CloudPeek> peek_cloud_file(const std::filesystem::path& path);
 
 }  // namespace kilter

@@ -64,7 +64,7 @@ class Finder {
     look_at_poses();
     look_at_stamps();
     look_at_first_cloud();
-    look_for_identical_clouds();
+    look_at_all_clouds();
     if (seen_.clouds_found > seen_.clouds || seen_.poses_found > seen_.clouds) {
       say("poses-unmatched", fmt::format("{} of {} clouds and {} poses belong together", seen_.clouds,
                                          seen_.clouds_found, seen_.poses_found));
@@ -136,21 +136,28 @@ class Finder {
     return a && b && !a->points_m.empty() && a->points_m == b->points_m;
   }
 
-  void look_for_identical_clouds() {
+  // At their first bytes, and at all of those that may be the same as the one before.
+  void look_at_all_clouds() {
     if (!robot_.peek_cloud || !robot_.read_cloud) return;
     std::optional<CloudPeek> before;
+    std::optional<std::size_t> twice;
     std::size_t compared = 0;
-    for (std::size_t i = 0; i < robot_.T_world_cloud.size() && compared < kMostComparisons; ++i) {
+    std::vector<std::size_t> cut_short;
+    for (std::size_t i = 0; i < robot_.T_world_cloud.size(); ++i) {
       const std::optional<CloudPeek> here = robot_.peek_cloud(i);
-      if (i > 0 && here && before && *here == *before) {
+      if (here && here->is_cut_short) cut_short.push_back(i);
+      if (!twice && i > 0 && here && before && *here == *before && compared < kMostComparisons) {
         ++compared;
-        if (are_identical(i - 1, i)) {
-          say("identical-clouds", fmt::format("{} and {}", robot_.cloud_name(i - 1), robot_.cloud_name(i)));
-          return;
-        }
+        if (are_identical(i - 1, i)) twice = i;
       }
       before = here;
     }
+    if (twice) {
+      say("identical-clouds", fmt::format("{} and {}", robot_.cloud_name(*twice - 1), robot_.cloud_name(*twice)));
+    }
+    if (cut_short.empty()) return;
+    say("damaged-clouds", fmt::format("{} of {} files, the first is {}", cut_short.size(), robot_.T_world_cloud.size(),
+                                      robot_.cloud_name(cut_short.front())));
   }
 
   const RobotLog& robot_;

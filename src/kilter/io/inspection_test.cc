@@ -175,6 +175,16 @@ TEST(FindOddities, SeesTheSameCloudTwice) {
   EXPECT_EQ(inspection.oddities[0].found, "scan 4 and scan 5");
 }
 
+TEST(FindOddities, SeesCloudsThatAreCutShort) {
+  RobotLog log = robot("a");
+  log.peek_cloud = [](std::size_t scan) -> std::optional<CloudPeek> {
+    return CloudPeek{1200, 19200, scan, scan == 3 || scan == 7};
+  };
+  const Inspection inspection = inspected({std::move(log)});
+  ASSERT_EQ(codes(inspection), Codes{"damaged-clouds"});
+  EXPECT_EQ(inspection.oddities[0].found, "2 of 10 files, the first is scan 3");
+}
+
 TEST(FindOddities, SeesTimeThatJumps) {
   RobotLog log = robot("a");
   for (std::int64_t i = 0; i < 10; ++i) log.stamps_ns.push_back(i * 100'000'000);

@@ -21,6 +21,12 @@ std::span<const OddityTopic> oddity_catalog() {
                   "Two clouds in a row hold the same points: a recording that stood still, a cloud that was saved "
                   "twice, or one file under two names. Both count as evidence although only one was seen.",
                   "remove one of them and its pose"},
+      OddityTopic{
+          "damaged-clouds",
+          "Files of clouds are empty, have no header, or are shorter than their header promises: an interrupted "
+          "copy, or a disk that was full while recording. `kilter check` ends with status 3 when it comes to "
+          "the first of them. Only sizes and headers were looked at; other damage shows when a file is read.",
+          "copy them again, or remove each together with its pose"},
       OddityTopic{"identical-robots",
                   "Two robots have the same poses and the same clouds: one folder was named twice. They would agree "
                   "with each other perfectly and prove nothing.",

@@ -21,6 +21,7 @@ struct CloudPeek {
   std::optional<std::uint64_t> points;  ///< as its header promises, NaN included
   std::uint64_t bytes = 0;              ///< on disk
   std::uint64_t head = 0;               ///< a digest of its first bytes: equal clouds have equal ones
+  bool is_cut_short = false;            ///< no header where one must be, or fewer bytes than it promises
 
   bool operator==(const CloudPeek&) const = default;
 };
