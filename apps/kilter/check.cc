@@ -226,8 +226,8 @@ int run_check(const CheckCommand& command) {
   if (auto fit = check_apart_from_clouds(command.output_folder, names, command.sources, job->mission); !fit) {
     return print_error(fit.error());
   }
-  if (!command.common.quiet) print_notes_before(*job);
   catch_stop_signals();
+  if (!command.common.quiet) print_notes_before(*job);
   const Expected<Result> result = run_job(command, *job);
   if (!result) return print_error(result.error());
   if (stop_flag()) return print_error({ErrorCode::kCancelled, "stopped on request; nothing was written", {}, {}});

@@ -244,8 +244,8 @@ int finish(const Failure& failure) {
 int run_submaps(const SubmapsCommand& command) {
   const Done<Job> job = open_job(command);
   if (!job) return finish(job.error());
-  print_notes(command, *job);
   catch_stop_signals();
+  print_notes(command, *job);
   const Done<std::vector<WrittenRobot>> written = write_all(command, *job);
   if (!written) return finish(written.error());
   print_note_on_others(command, *job);
