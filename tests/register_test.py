@@ -139,6 +139,17 @@ class RegisterTest(unittest.TestCase):
             self.assertEqual(done.stderr, f"invalid-points: {self.root / 'near.bin'}: none of its {len(room())} points leaves "
                                           "a voxel between min_range (3 m) and max_range (60 m)\n  try: widen the two\n")
 
+    def test_what_takes_long_is_told_before_it_does(self):
+        cloud = self.root / "few.pcd"
+        cloud.write_text("VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 2\nHEIGHT 1\n"
+                         "VIEWPOINT 0 0 0 1 0 0 0\nPOINTS 2\nDATA ascii\n1 2 0\n2 1 0\n")
+        said = "note: resolution = 0.02 m takes some 25 times the time and memory of 0.1 m; "
+        for command in (("check", cloud, "-o", self.root / "out"), ("submaps", cloud, "-o", self.root / "cut"),
+                        ("register", cloud, cloud)):
+            self.assertIn(said, run_kilter(*command, "--set", "resolution=2 cm").stderr)
+        self.assertNotIn(said, run_kilter(*command, "--set", "resolution=2 cm", "--quiet").stderr)
+        self.assertNotIn("times the time", run_kilter(*command, "--set", "resolution=5 cm").stderr)
+
     def test_never_writes_onto_its_inputs_or_what_is_no_ply(self):
         (self.root / "aligned-link.ply").symlink_to(self.root / "source.bin")
         before = (self.root / "source.bin").read_bytes()

@@ -18,6 +18,7 @@
 #include "apps/kilter/commands.h"
 #include "apps/kilter/common_options.h"
 #include "apps/kilter/exit_status.h"
+#include "apps/kilter/fine_voxels.h"
 #include "apps/kilter/known_cuts.h"
 #include "apps/kilter/output_folder.h"
 #include "apps/kilter/result_files.h"
@@ -209,6 +210,8 @@ void print_notes_before(const Job& job) {
     print_note(note);
   }
   if (const auto note = note_on_unused_keys(job.mission, job.settings.check)) print_note(*note);
+  if (const auto note = note_on_fine_voxels(job.settings.check.submap.occupancy)) print_note(*note);
+  if (const auto note = note_on_fine_voxels(job.settings.check.submap.occupancy)) print_note(*note);
   for (const RobotLog& robot : job.mission.robots) {
     if (!robot.finished_submaps || robot.read_cells) continue;
     print_note(

@@ -16,6 +16,7 @@
 #include "apps/kilter/commands.h"
 #include "apps/kilter/common_options.h"
 #include "apps/kilter/exit_status.h"
+#include "apps/kilter/fine_voxels.h"
 #include "apps/kilter/output_folder.h"
 #include "apps/kilter/terminal.h"
 #include "kilter/io/cloud_file.h"
@@ -150,12 +151,13 @@ Expected<CloudPair> read_clouds(const RegisterCommand& command) {
   return clouds;
 }
 
-// Without an origin there is no range.
-void print_note_on_ranges(const RegisterCommand& command, const OccupancyOptions& options) {
+void print_notes_before(const RegisterCommand& command, const OccupancyOptions& options) {
+  if (command.common.quiet) return;
+  if (const auto note = note_on_fine_voxels(options)) print_note(*note);
+  // Without an origin there is no range.
   const OccupancyOptions usual;
   const bool set = options.min_range_m != usual.min_range_m || options.max_range_m != usual.max_range_m;
-  if (!set || command.scans || command.common.quiet) return;
-  print_note("min_range and max_range apply to scans, and are not used without --scans");
+  if (set && !command.scans) print_note("min_range and max_range apply to scans, and are not used without --scans");
 }
 
 int run_register(const RegisterCommand& command) {
@@ -167,7 +169,7 @@ int run_register(const RegisterCommand& command) {
   }
   const Expected<CloudPair> clouds = read_clouds(command);
   if (!clouds) return print_error(clouds.error());
-  print_note_on_ranges(command, settings->check.submap.occupancy);
+  print_notes_before(command, settings->check.submap.occupancy);
   const Expected<PairMeasurement> pair = register_clouds(*clouds, settings->check, {command.common.jobs, nullptr, {}});
   if (!pair) return print_error(pair.error());
   const PairEvidence& evidence = pair->evidence;

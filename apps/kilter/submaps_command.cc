@@ -14,6 +14,7 @@
 #include "apps/kilter/commands.h"
 #include "apps/kilter/common_options.h"
 #include "apps/kilter/exit_status.h"
+#include "apps/kilter/fine_voxels.h"
 #include "apps/kilter/known_cuts.h"
 #include "apps/kilter/output_folder.h"
 #include "apps/kilter/signals.h"
@@ -215,6 +216,8 @@ void print_notes(const SubmapsCommand& command, const Job& job) {
     print_note(note);
   }
   if (const auto note = note_on_unused_keys(job.mission, job.settings.check)) print_note(*note);
+  if (const auto note = note_on_fine_voxels(job.settings.check.submap.occupancy)) print_note(*note);
+  if (const auto note = note_on_fine_voxels(job.settings.check.submap.occupancy)) print_note(*note);
   if (command.format == SubmapFormat::kPcd || command.format == SubmapFormat::kPly) {
     print_note("points alone say nothing of free space, and verdicts lack that evidence; --format ot keeps it");
   }

@@ -1,0 +1,16 @@
+// SPDX-FileCopyrightText: The kilter authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "kilter/occupancy/occupancy_options.h"
+
+namespace kilter::app {
+
+/// What a person should know before any work where voxels are so fine that it takes ten times as long as usual, or
+/// more.
+[[nodiscard]] std::optional<std::string> note_on_fine_voxels(const OccupancyOptions& options);
+
+}  // namespace kilter::app
