@@ -10,6 +10,7 @@
 #include <system_error>
 #include <utility>
 
+#include "kilter/io/cloud_file.h"
 #include "kilter/io/file.h"
 #include "kilter/io/sources/cloud_folder.h"
 #include "kilter/io/sources/foreign_file.h"
@@ -73,6 +74,11 @@ Expected<FoundRobot> robot_from_path(const fs::path& path, const SourceKind& kin
 }
 
 tl::unexpected<Error> refuse_file(const fs::path& path) {
+  // Most often a scan of KITTI's; octrees and other programs' dumps are called so, too.
+  if (cloud_format_of(path.filename().native()) == CloudFormat::kBin) {
+    return fail(ErrorCode::kUnsupported, "a .bin file alone does not tell what it holds, and is no source", shown(path),
+                "name the folder above scans/, or save it as .pcd or .ply; kilter register takes two .bin scans");
+  }
   return fail(ErrorCode::kUnsupported, "expected a folder or a file of a kind that kilter reads, found another file",
               shown(path), known_kinds());
 }

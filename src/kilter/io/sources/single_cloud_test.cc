@@ -30,7 +30,8 @@ TEST(SingleCloud, IsOneFinishedSubmapInTheWorld) {
 
 TEST(SingleCloud, IsNoBinFileAndNoFolder) {
   const TempFolder folder;
-  expect_source_error(open_source(folder.write("a.bin", "")), ErrorCode::kUnsupported, "found another file");
+  expect_source_error(open_source(folder.write("a.bin", "")), ErrorCode::kUnsupported,
+                      "a .bin file alone does not tell");
   std::filesystem::create_directory(folder.path() / "b.pcd");
   EXPECT_FALSE(is_single_cloud(folder.path() / "b.pcd"));
 }
