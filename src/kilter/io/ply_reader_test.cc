@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -214,6 +215,32 @@ TEST(ReadBin, RefusesPartsOfRecordsAndNothing) {
   EXPECT_EQ(part.error().code, ErrorCode::kTruncated);
   EXPECT_EQ(part.error().message, "40 bytes are 2 points of 16 bytes and 8 bytes more");
   EXPECT_EQ(read_bin("", "scan.bin").error().code, ErrorCode::kTruncated);
+}
+
+// nuScenes has x y z intensity ring, others x y z alone; four points of 12 bytes are three of 16.
+TEST(ReadBin, RefusesRecordsOfOtherSizes) {
+  for (const int columns : {3, 5, 6}) {
+    std::string bytes;
+    for (int i = 0; i < 400; ++i) {
+      const auto k = static_cast<float>(i);
+      put_all<float>(bytes, std::endian::little, 10.0F * std::cos(k), 10.0F * std::sin(k), 0.01F * k - 2.0F);
+      for (int more = 3; more < columns; ++more) put_all<float>(bytes, std::endian::little, 0.5F);
+    }
+    ASSERT_EQ(bytes.size() % 16, 0U);
+    const auto cloud = read_bin(bytes, "scan.bin");
+    ASSERT_FALSE(cloud) << columns;
+    EXPECT_EQ(cloud.error().code, ErrorCode::kUnsupported);
+    EXPECT_NE(cloud.error().message.find("fourth number"), std::string::npos);
+  }
+}
+
+TEST(ReadBin, TakesIntensitiesThatScatterAboutZero) {
+  std::string bytes;
+  for (int i = 0; i < 400; ++i) {
+    const auto k = static_cast<float>(i);
+    put_all<float>(bytes, std::endian::little, std::cos(k), std::sin(k), 1.0F, 0.9F * std::sin(3.0F * k));
+  }
+  EXPECT_EQ(read_bin(bytes, "scan.bin").value().points_m.size(), 400U);
 }
 
 }  // namespace
