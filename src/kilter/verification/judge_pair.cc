@@ -76,11 +76,12 @@ void note_support(const RegistrationResult& registration, const Agreement& agree
 }
 
 // With some probability the registration is wrong, and what it found is as likely either way.
-void disbelieve(const PairEvidence& pair, const JudgeOptions& options, PairVerdict& verdict) {
+void disbelieve(const PairEvidence& pair, const MapNull& null, const JudgeOptions& options, PairVerdict& verdict) {
   verdict.p_value.reset();
   std::optional<double>& log_ratio = verdict.evidence.at("disagreement").log_ratio;
   const bool above = *log_ratio > 0.0;
-  const double wrong = above && !conflict_grew(pair) ? kLeavesRightPlace : kWrongWhenDoubted;
+  const bool telling = above && !conflict_grew(pair) && !may_show_different_places(pair, null);
+  const double wrong = telling ? kLeavesRightPlace : kWrongWhenDoubted;
   const double strength = std::log(wrong + (1.0 - wrong) * std::exp(-std::abs(*log_ratio)));
   log_ratio = above ? -strength : strength;
   set_posterior(*log_ratio, options, verdict);
@@ -250,14 +251,19 @@ PairVerdict judge_displacement(const PairEvidence& pair, const MapNull& null, co
   if (!why_not.empty()) {
     verdict.reason = fmt::format("{}; {}", measured, why_not);
     const double p_value = *verdict.p_value;
-    disbelieve(pair, options, verdict);
+    disbelieve(pair, null, options, verdict);
     if (moved && contradicted(pair)) let_better_fit_speak(pair, p_value, verdict);
   } else if (moved && !fit_improved(pair)) {
     verdict.reason =
         conflict_grew(pair)
             ? fmt::format("{}, but what both saw conflicts more there: a similar place may be what fits", measured)
             : fmt::format("{}, but the pair agrees no better there", measured);
-    disbelieve(pair, options, verdict);
+    disbelieve(pair, null, options, verdict);
+  } else if (beyond && may_show_different_places(pair, null)) {
+    verdict.reason = fmt::format(
+        "{}, but few voxels show a side that both saw, and no free space speaks against the map: the places may differ",
+        measured);
+    disbelieve(pair, null, options, verdict);
   } else if (beyond) {
     verdict.reason = fmt::format(
         "{}, {} apart with what no rigid motion mends: not told from the tolerance of {} over "

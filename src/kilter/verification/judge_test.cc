@@ -107,9 +107,14 @@ TEST(JudgePair, LittleSeenByBothIsJudgedButNotWaitedFor) {
   EXPECT_NE(judge_pair(pair, kNull, {}).reason.find("does not wait"), std::string::npos);
   PairEvidence sure = pair_moved(0.25, 0.01);
   sure.common = pair.common;
-  EXPECT_EQ(verdict_of(sure), Verdict::kInconsistent);
+  const PairVerdict other_floor = judge_pair(sure, kNull, {});  // what fits may be a floor laid on a ceiling
+  EXPECT_EQ(other_floor.verdict, Verdict::kUnverified);
+  EXPECT_NE(other_floor.reason.find("the places may differ"), std::string::npos) << other_floor.reason;
+  EXPECT_FALSE(other_floor.p_value);
+  EXPECT_NEAR(*other_floor.log_odds, std::log(4.0 * 0.05 / 0.95), 0.01);
   sure.common = CommonSurface{.matched = 3000, .overlap = 0.4, .any = true, .enough = true};
   EXPECT_FALSE(may_show_different_places(sure, kNull));
+  EXPECT_EQ(verdict_of(sure), Verdict::kInconsistent);
 }
 
 TEST(JudgePair, FailedRegistrationIsUnverifiedAndSaysHow) {
