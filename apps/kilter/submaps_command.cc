@@ -217,7 +217,6 @@ void print_notes(const SubmapsCommand& command, const Job& job) {
   }
   if (const auto note = note_on_unused_keys(job.mission, job.settings.check)) print_note(*note);
   if (const auto note = note_on_fine_voxels(job.settings.check.submap.occupancy)) print_note(*note);
-  if (const auto note = note_on_fine_voxels(job.settings.check.submap.occupancy)) print_note(*note);
   if (command.format == SubmapFormat::kPcd || command.format == SubmapFormat::kPly) {
     print_note("points alone say nothing of free space, and verdicts lack that evidence; --format ot keeps it");
   }

@@ -95,8 +95,9 @@ std::vector<std::uint32_t> patch_numbers(std::span<const PlaneResidual> residual
   KeyNumbers numbers;
   std::vector<std::uint32_t> of_residuals;
   of_residuals.reserve(residuals.size());
-  for (const PlaneResidual& r : residuals)
+  for (const PlaneResidual& r : residuals) {
     of_residuals.push_back(numbers.find_or_add(patch_key_of(r, centre_m, cell_m)));
+  }
   return of_residuals;
 }
 
