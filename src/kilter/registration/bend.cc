@@ -25,6 +25,9 @@ constexpr std::size_t kFewestGained = 20;
 // the truth is known.
 constexpr double kScatter = 0.25;
 
+// Once the motions are known, a place has its like within this much; what is farther only one of the two saw. [voxels]
+constexpr double kRematchVoxels = 3.0;
+
 using Residuals = std::vector<PlaneResidual>;
 
 struct Spread {
@@ -116,7 +119,7 @@ PartMotion motion_of(std::span<const PlaneResidual> part, const PairGrain& grain
   const ObservableSplit split = split_observable(equations, settled);
   const Matrix6 covariance = patch_covariance(settled, equations, split, kPatch_m, kPlanePatchVoxels * resolution_m) +
                              cell_covariance(settled, equations, split, grain.variance_m2);
-  const Matrix6 M = displacement_form(scatter_about(part, centre_m));
+  const Matrix6 M = displacement_form(Eigen::Vector3d::Zero(), scatter_about(part, centre_m));
   const Matrix6 MC = M * covariance;
   if (belief == 0.0) motion.setZero();
   const double mean_m2 = motion.dot(M * motion) - (belief > 0.0 ? MC.trace() : 0.0);
@@ -148,13 +151,22 @@ Bend bend_by_place(std::span<const PlaneResidual> residuals, const PairGrain& gr
 
 }  // namespace
 
-Bend measure_bend(std::span<const PlaneResidual> residuals, const PairGrain& grain, double reach_m) {
+Bend measure_bend(std::span<const PlaneResidual> residuals, const PairGrain& grain, double reach_m,
+                  const Rematch& rematch) {
   const TimesKnown known = times_known(residuals);
-  if (known.source && known.target) return bend_in_time(residuals, grain, reach_m);
+  if (known.source && known.target) return bend_in_time(residuals, grain, reach_m, rematch);
   Bend bend = bend_by_place(residuals, grain, reach_m);
   if (!known.source && !known.target) return bend;
-  const Bend in_time = bend_in_time(residuals, grain, reach_m);
+  const Bend in_time = bend_in_time(residuals, grain, reach_m, rematch);
   return in_time.rms_m > bend.rms_m ? in_time : bend;
+}
+
+Bend measure_bend(PlanePair& pair, const Pose3& T_target_source, double reach_m,
+                  std::span<const PlaneResidual> residuals) {
+  const double near_m = std::min(reach_m, kRematchVoxels * pair.grain.edge_m);
+  return measure_bend(residuals, pair.grain, reach_m, [&](const MotionOfPlace& shift) {
+    return match_planes(pair, T_target_source, near_m, kBendPoints, shift);
+  });
 }
 
 }  // namespace kilter

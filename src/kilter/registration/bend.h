@@ -2,10 +2,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <functional>
 #include <span>
+#include <vector>
 
 #include "kilter/matching/pair_grain.h"
 #include "kilter/registration/normal_equations.h"
+#include "kilter/registration/plane_matches.h"
 
 namespace kilter {
 
@@ -19,7 +22,7 @@ enum class BendKind {
 /// How far parts of an aligned pair still lie apart, because a submap is bent or holds a slip: no rigid motion mends
 /// it.
 struct Bend {
-  double rms_m = 0.0;        ///< RMS over the overlap of the remaining displacement, less what noise would give. [m]
+  double rms_m = 0.0;        ///< RMS over the places of the remaining displacement, less what noise would give. [m]
   double variance_m4 = 0.0;  ///< of its square
   BendKind kind = BendKind::kSpace;
   int parts = 0;  ///< of the overlap that were looked at on their own
@@ -28,6 +31,10 @@ struct Bend {
   Vector6 common = Vector6::Zero();
   Eigen::Vector3d centre_m = Eigen::Vector3d::Zero();
 };
+
+/// The residuals once more, matched where motions in time put the source's places: residuals without the motions, of
+/// the planes that are near with them. On a wall that is the same plane, on a trunk or a pole another.
+using Rematch = std::function<std::vector<PlaneResidual>(const MotionOfPlace&)>;
 
 /// By when the two submaps saw what they share (bend_in_time), where one of them knows; otherwise, and where only one
 /// does, by place: the overlap is cut into up to eight parts, each of which finds its own small motion by robust least
@@ -40,7 +47,16 @@ struct Bend {
 ///
 /// \param residuals  all within reach at the aligned pose, with the planarity as weight
 /// \param grain      what its cells hide is no bend
-/// Cost: some ten passes over the residuals; no search for neighbours.
-[[nodiscard]] Bend measure_bend(std::span<const PlaneResidual> residuals, const PairGrain& grain, double reach_m);
+/// \param rematch    for bends in time; without it, planes stay those that the aligned pose finds
+/// Cost: some twenty passes over the residuals, and two times what it takes to match them.
+[[nodiscard]] Bend measure_bend(std::span<const PlaneResidual> residuals, const PairGrain& grain, double reach_m,
+                                const Rematch& rematch = {});
+
+/// Voxels of each submap that a bend is asked of.
+inline constexpr std::size_t kBendPoints = 8000;
+
+/// The same of a pair that is aligned at this pose. `residuals` are match_planes() of kBendPoints there.
+[[nodiscard]] Bend measure_bend(PlanePair& pair, const Pose3& T_target_source, double reach_m,
+                                std::span<const PlaneResidual> residuals);
 
 }  // namespace kilter

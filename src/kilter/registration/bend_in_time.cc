@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <numeric>
 #include <vector>
 
 #include "kilter/registration/patches.h"
@@ -23,14 +24,15 @@ constexpr std::size_t kFewestResiduals = 300;
 constexpr double kStepOfKernel = 0.2;
 constexpr double kTie_m = 1.0;   // a bin is not thought to lie off by more
 constexpr double kShrink = 0.6;  // of the kernel, from one round to the next
-constexpr int kLastRounds = 4;   // at the final kernel
+constexpr int kRematches = 2;    // places are matched so often once more
+constexpr int kLastRounds = 4;   // at the final kernel, each time
 // A patch lies off as a whole by this share of its mean square residual, and by this much of a voxel.
 constexpr double kPatchShare = 0.3;
 constexpr double kLeastPatchVoxels = 0.05;
 constexpr double kWholePatch = 10.0;  // smaller ones (sum of weights) count by their share of this
 // How far the measured RMS is from the true one, as a share of it: one standard deviation, seen where the truth is
 // known.
-constexpr double kScatter = 0.1;
+constexpr double kScatter = 0.07;
 
 // Two ways to see the same scene at other times: what the source saw in one bin and the target in another.
 struct Cell {
@@ -46,11 +48,19 @@ class TimedMotions {
  public:
   TimedMotions(std::span<const PlaneResidual> residuals, const PairGrain& grain);
 
+  // Goes on with other matches of the same submaps.
+  void take(std::span<const PlaneResidual> residuals);
+  // How far the source's places move that it saw at one time and the target at another.
+  [[nodiscard]] Eigen::Vector3d shift_m(const Eigen::Vector3d& at_m, std::uint8_t source_at,
+                                        std::uint8_t target_at) const;
   // One round at this scale of the kernel.
   void improve(double scale_m);
   [[nodiscard]] Bend bend() const;
 
  private:
+  [[nodiscard]] int source_bin(std::uint8_t at) const { return at * source_bins_ / 256; }
+  [[nodiscard]] int target_bin(std::uint8_t at) const { return at * target_bins_ / 256; }
+  void add_up_places();
   [[nodiscard]] Vector6 motion_of(const Cell& cell) const {
     return motions_.segment<6>(6 * cell.source) - motions_.segment<6>(6 * cell.target);
   }
@@ -69,7 +79,8 @@ class TimedMotions {
   std::size_t patches_ = 0;
   std::vector<Cell> cells_;
   Matrix6 form_ = Matrix6::Zero();  // of all cells
-  Eigen::VectorXd motions_;         // of the source's bins, then of the target's; rotations times the radius
+  double places_ = 0.0;
+  Eigen::VectorXd motions_;  // of the source's bins, then of the target's; rotations times the radius
   Eigen::LLT<Eigen::MatrixXd> factor_;
 };
 
@@ -77,10 +88,17 @@ TimedMotions::TimedMotions(std::span<const PlaneResidual> residuals, const PairG
   const TimesKnown known = times_known(residuals);
   if (known.source) source_bins_ = kBins;
   if (known.target) target_bins_ = kBins;
-  const auto bin = [](std::uint8_t at, int bins) { return at * bins / 256; };
+  for (const PlaneResidual& r : residuals) centre_m_ += r.point_m / static_cast<double>(residuals.size());
+  radius_m_ = std::sqrt(std::max(scatter_about(residuals, centre_m_).trace(), grain.edge_m * grain.edge_m));
+  motions_ = Eigen::VectorXd::Zero(6 * (source_bins_ + target_bins_));
+  take(residuals);
+}
+
+void TimedMotions::take(std::span<const PlaneResidual> residuals) {
   const auto cell_of = [&](const PlaneResidual& r) {
-    return static_cast<std::size_t>(bin(r.source_at, source_bins_) * target_bins_ + bin(r.target_at, target_bins_));
+    return static_cast<std::size_t>(source_bin(r.source_at) * target_bins_ + target_bin(r.target_at));
   };
+  cells_.clear();
   std::vector<std::size_t> firsts(static_cast<std::size_t>(source_bins_ * target_bins_) + 1, 0);
   for (const PlaneResidual& r : residuals) ++firsts[cell_of(r) + 1];
   for (std::size_t k = 1; k < firsts.size(); ++k) firsts[k] += firsts[k - 1];
@@ -91,27 +109,38 @@ TimedMotions::TimedMotions(std::span<const PlaneResidual> residuals, const PairG
   }
   residuals_.resize(residuals.size());
   for (const PlaneResidual& r : residuals) residuals_[firsts[cell_of(r)]++] = r;
-
-  for (const PlaneResidual& r : residuals_) centre_m_ += r.point_m / static_cast<double>(residuals_.size());
-  radius_m_ = std::sqrt(std::max(scatter_about(residuals_, centre_m_).trace(), grain.edge_m * grain.edge_m));
-  planarity_.reserve(residuals_.size());
+  planarity_.clear();
   for (const PlaneResidual& r : residuals_) planarity_.push_back(r.weight);
   patch_ = patch_numbers(residuals_, centre_m_, kPatch_m);
   patches_ = patch_.empty() ? 0 : *std::max_element(patch_.begin(), patch_.end()) + std::size_t{1};
+  add_up_places();
+}
+
+void TimedMotions::add_up_places() {
+  const std::vector<double> place = place_weights(residuals_, centre_m_);
+  places_ = std::accumulate(place.begin(), place.end(), 0.0);
+  form_.setZero();
   for (Cell& cell : cells_) {
     for (std::size_t i = cell.first; i < cell.last; ++i) {
       // |v + w x a|^2 = |v|^2 + 2 w . (a x v) + |w|^2 |a|^2 - (w . a)^2
       const Eigen::Vector3d a = (residuals_[i].point_m - centre_m_) / radius_m_;
       Eigen::Matrix3d across;  // across * v = a x v
       across << 0.0, -a.z(), a.y(), a.z(), 0.0, -a.x(), -a.y(), a.x(), 0.0;
-      cell.form.topLeftCorner<3, 3>() += Eigen::Matrix3d::Identity();
-      cell.form.bottomLeftCorner<3, 3>() += across;
-      cell.form.bottomRightCorner<3, 3>() += a.squaredNorm() * Eigen::Matrix3d::Identity() - a * a.transpose();
+      Matrix6 of_place = Matrix6::Identity();
+      of_place.bottomLeftCorner<3, 3>() = across;
+      of_place.bottomRightCorner<3, 3>() = a.squaredNorm() * Eigen::Matrix3d::Identity() - a * a.transpose();
+      cell.form += place[i] * of_place;
     }
     cell.form.topRightCorner<3, 3>() = cell.form.bottomLeftCorner<3, 3>().transpose();
     form_ += cell.form;
   }
-  motions_ = Eigen::VectorXd::Zero(6 * (source_bins_ + target_bins_));
+}
+
+Eigen::Vector3d TimedMotions::shift_m(const Eigen::Vector3d& at_m, std::uint8_t source_at,
+                                      std::uint8_t target_at) const {
+  const Vector6 motion =
+      motions_.segment<6>(6 * source_bin(source_at)) - motions_.segment<6>(6 * (source_bins_ + target_bin(target_at)));
+  return motion.head<3>() + motion.tail<3>().cross(at_m - centre_m_) / radius_m_;
 }
 
 // A residual weighs what its patch knows, divided among all of the patch.
@@ -195,13 +224,12 @@ Bend TimedMotions::bend() const {
   Vector6 common = form_.ldlt().solve(pull);
   double square = 0.0;
   Eigen::VectorXd slope = Eigen::VectorXd::Zero(motions_.size());  // of the mean square
-  const auto places = static_cast<double>(residuals_.size());
   for (const Cell& cell : cells_) {
     const Vector6 left = motion_of(cell) - common;
     const Vector6 of_left = cell.form * left;
-    square += left.dot(of_left) / places;
-    slope.segment<6>(6 * cell.source) += 2.0 / places * of_left;
-    slope.segment<6>(6 * cell.target) -= 2.0 / places * of_left;
+    square += left.dot(of_left) / places_;
+    slope.segment<6>(6 * cell.source) += 2.0 / places_ * of_left;
+    slope.segment<6>(6 * cell.target) -= 2.0 / places_ * of_left;
   }
   Bend bend;
   bend.rms_m = std::sqrt(std::max(square, 0.0));
@@ -226,13 +254,20 @@ TimesKnown times_known(std::span<const PlaneResidual> residuals) {
   return {differ(&PlaneResidual::source_at), differ(&PlaneResidual::target_at)};
 }
 
-Bend bend_in_time(std::span<const PlaneResidual> residuals, const PairGrain& grain, double reach_m) {
+Bend bend_in_time(std::span<const PlaneResidual> residuals, const PairGrain& grain, double reach_m,
+                  const Rematch& rematch) {
   if (residuals.size() < kFewestResiduals) return {};
   TimedMotions motions(residuals, grain);
   int last_rounds = 0;
   for (double scale_m = 0.5 * reach_m; last_rounds < kLastRounds; scale_m = std::max(scale_m * kShrink, grain.edge_m)) {
     last_rounds += scale_m <= grain.edge_m ? 1 : 0;
     motions.improve(scale_m);
+  }
+  for (int again = 0; rematch && again < kRematches; ++again) {
+    motions.take(rematch([&](const Eigen::Vector3d& at_m, std::uint8_t source_at, std::uint8_t target_at) {
+      return motions.shift_m(at_m, source_at, target_at);
+    }));
+    for (int round = 0; round < kLastRounds; ++round) motions.improve(grain.edge_m);
   }
   return motions.bend();
 }

@@ -26,10 +26,14 @@ struct TimesKnown {
 /// surface counts as one observation. A submap drifts from one twelfth to the next, by little and by much where it
 /// slips: a Student law of one degree of freedom, by weights q made anew in each round, its scale a fifth of the
 /// kernel's. So a twelfth that saw nothing but floor lies, along it, where its neighbours do, and what only one of the
-/// two saw is outvoted.
+/// two saw is outvoted. Then places are matched anew, twice, where the motions put them: trunks and poles would
+/// otherwise pull towards whichever side of them was near at the aligned pose, and a bend seem smaller than it is.
 ///
-/// \return what is left once the one motion that fits best is taken out, and that motion
-/// Cost: eight passes over the residuals, each with a Cholesky factor of 144 unknowns; no search for neighbours.
-[[nodiscard]] Bend bend_in_time(std::span<const PlaneResidual> residuals, const PairGrain& grain, double reach_m);
+/// \return what is left once the one motion that leaves the least apart is taken out, and that motion; each place
+/// counts
+///         once (place_weights)
+/// Cost: sixteen passes over the residuals, each with a Cholesky factor of 144 unknowns, and matching them twice.
+[[nodiscard]] Bend bend_in_time(std::span<const PlaneResidual> residuals, const PairGrain& grain, double reach_m,
+                                const Rematch& rematch);
 
 }  // namespace kilter

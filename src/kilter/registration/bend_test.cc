@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <vector>
@@ -177,6 +178,62 @@ TEST(MeasureBend, AMotionThatMakesLittleMoreFitIsHalfBelievedAndDoubted) {
   const double certain_m = 0.3 * std::sqrt(0.5);
   EXPECT_NEAR(bend.rms_m, certain_m * std::sqrt(0.5), 0.05);
   EXPECT_GT(std::sqrt(bend.variance_m4), 0.5 * bend.rms_m * bend.rms_m);
+}
+
+// Trunks of 24 cm: the plane that is near at the aligned pose is that of the side that happens to be near, and not of
+// the side that the source saw.
+TEST(MeasureBend, BetweenTrunksPlacesAreMatchedAnewWhereTheMotionsPutThem) {
+  constexpr int kTrunks = 80;
+  constexpr int kOfEach = 60;  // points, of either submap
+  constexpr double kRadius_m = 0.12;
+  constexpr double kDrift_m = 0.4;  // from first to last
+  struct Seen {
+    Eigen::Vector3d at_m;
+    Eigen::Vector3d normal;
+    std::uint8_t source_at;
+    std::uint8_t target_at;
+    int trunk;
+  };
+  Rng rng(14, 0);
+  std::vector<Seen> source;
+  std::vector<Seen> target;
+  for (int trunk = 0; trunk < kTrunks; ++trunk) {
+    const Eigen::Vector3d middle_m(0.5 * trunk, rng.uniform(-8.0, 8.0), 0.0);
+    const auto source_at = static_cast<std::uint8_t>(rng.uniform(0.0, 255.9));  // to and fro between them
+    for (int i = 0; i < kOfEach; ++i) {
+      const auto target_at = static_cast<std::uint8_t>(rng.uniform(0.0, 255.9));
+      for (std::vector<Seen>* of : {&source, &target}) {
+        const double angle = rng.uniform(-M_PI, M_PI);
+        const Eigen::Vector3d normal(std::cos(angle), std::sin(angle), 0.0);
+        Eigen::Vector3d at_m = middle_m + kRadius_m * normal;
+        at_m.z() = rng.uniform(0.0, 0.2);
+        if (of == &source) at_m.y() -= kDrift_m * (source_at / 255.0 - 0.5);
+        of->push_back({at_m, normal, source_at, target_at, trunk});
+      }
+    }
+  }
+  const auto nearest = [&](const Seen& from, const Eigen::Vector3d& at_m) {
+    const auto first = target.begin() + from.trunk * kOfEach;
+    return std::min_element(first, first + kOfEach, [&](const Seen& a, const Seen& b) {
+      return (a.at_m - at_m).squaredNorm() < (b.at_m - at_m).squaredNorm();
+    });
+  };
+  const auto match = [&](const MotionOfPlace& shift) {
+    std::vector<PlaneResidual> residuals;
+    for (const Seen& from : source) {
+      auto plane = nearest(from, from.at_m);
+      if (shift) plane = nearest(from, from.at_m + shift(from.at_m, from.source_at, plane->target_at));
+      if (plane->normal.dot(from.normal) < 0.6) continue;
+      residuals.push_back({from.at_m, plane->normal, plane->normal.dot(from.at_m - plane->at_m), 1.0, from.source_at,
+                           plane->target_at});
+    }
+    return residuals;
+  };
+  const double true_m = kDrift_m / std::sqrt(12.0);
+  const double once_m = measure_bend(match({}), kGrain, kReach_m).rms_m;
+  const double anew_m = measure_bend(match({}), kGrain, kReach_m, match).rms_m;
+  EXPECT_LT(once_m, 0.9 * true_m) << "else this shows nothing";
+  EXPECT_NEAR(anew_m, true_m, 0.02 * true_m);
 }
 
 TEST(MeasureBend, NothingIsNoBend) {

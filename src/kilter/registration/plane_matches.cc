@@ -27,16 +27,22 @@ struct Strides {
 // Both ways, so that it does not matter which of the two is called the source. A target point q lies off a source
 // plane by (R n) . (q - T c); moving the source moves that plane, hence the turned direction.
 std::vector<PlaneResidual> match_both_ways(PlanePair& pair, const Pose3& T_target_source, double search_m,
-                                           const Strides& strides) {
+                                           const Strides& strides, const MotionOfPlace& shift = {}) {
   std::vector<PlaneResidual> residuals;
   residuals.reserve(pair.source_map().voxels().size() / strides.source +
                     pair.target_map().voxels().size() / strides.target + 2);
   match_voxels(pair.source_map(), every(strides.source, pair.source_map().voxels().size()), pair.in_target,
-               T_target_source, search_m, residuals);
+               T_target_source, search_m, residuals, shift);
+  const Eigen::Isometry3d T = T_target_source.isometry();
+  MotionOfPlace back;
+  if (shift) {
+    back = [&](const Eigen::Vector3d& at_m, std::uint8_t from_at, std::uint8_t onto_at) -> Eigen::Vector3d {
+      return -(T.linear().transpose() * shift(T * at_m, onto_at, from_at));
+    };
+  }
   const std::size_t forward = residuals.size();
   match_voxels(pair.target_map(), every(strides.target, pair.target_map().voxels().size()), pair.in_source,
-               T_target_source.inverse(), search_m, residuals);
-  const Eigen::Isometry3d T = T_target_source.isometry();
+               T_target_source.inverse(), search_m, residuals, back);
   for (std::size_t i = forward; i < residuals.size(); ++i) {
     residuals[i].point_m = T * residuals[i].point_m;
     residuals[i].direction = -(T.linear() * residuals[i].direction);
@@ -172,7 +178,8 @@ double median_absolute_m(const std::vector<PlaneResidual>& residuals) {
 }  // namespace
 
 void match_voxels(const VoxelMap& from, std::span<const std::uint32_t> voxels, RepeatedSearch& in_onto,
-                  const Pose3& T_onto_from, double search_m, std::vector<PlaneResidual>& residuals) {
+                  const Pose3& T_onto_from, double search_m, std::vector<PlaneResidual>& residuals,
+                  const MotionOfPlace& shift) {
   const VoxelMap& onto = in_onto.search().map();
   const SurfaceVoxels& points = from.voxels();
   const SurfaceVoxels& planes = onto.voxels();
@@ -184,7 +191,16 @@ void match_voxels(const VoxelMap& from, std::span<const std::uint32_t> voxels, R
     const auto numbers = voxels.subspan(first, std::min(PointColumns::kMost, voxels.size() - first));
     take_voxels(points, numbers, batch);
     kernel.place(T, batch);
-    in_onto.near(numbers, batch.at_m, search_m, batch.near);
+    in_onto.near(numbers, batch.at_m, shift ? in_onto.search().max_distance_m() : search_m, batch.near);
+    if (shift) {
+      PointColumns moved_m = batch.at_m;
+      for (std::size_t k = 0; k < batch.count; ++k) {
+        const std::uint32_t met = batch.near.voxel[k];
+        if (met == kNoVoxel) continue;
+        moved_m.set(k, moved_m[k] + shift(moved_m[k], points.seen_at[numbers[k]], planes.seen_at[met]));
+      }
+      in_onto.near(numbers, moved_m, search_m, batch.near);
+    }
     take_planes(planes, batch);
     kernel.compare(T, oriented, batch);
     for (std::size_t k = 0; k < batch.count; ++k) {
@@ -198,9 +214,10 @@ void match_voxels(const VoxelMap& from, std::span<const std::uint32_t> voxels, R
 }
 
 std::vector<PlaneResidual> match_planes(PlanePair& pair, const Pose3& T_target_source, double search_m,
-                                        std::size_t max_points) {
+                                        std::size_t max_points, const MotionOfPlace& shift) {
   const auto stride = [&](const VoxelMap& of) { return std::max<std::size_t>(1, of.voxels().size() / max_points); };
-  return match_both_ways(pair, T_target_source, search_m, {stride(pair.source_map()), stride(pair.target_map())});
+  return match_both_ways(pair, T_target_source, search_m, {stride(pair.source_map()), stride(pair.target_map())},
+                         shift);
 }
 
 std::vector<PlaneResidual> match_every(PlanePair& pair, const Pose3& T_target_source, double search_m,

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -36,16 +37,24 @@ inline constexpr double kPlaneSupportVoxels = 0.25;
   return kPlaneSupportVoxels * grain.edge_m + grain.most_m;
 }
 
+/// How far a place moves on top of a pose, in the frame that is matched onto, if one submap saw it at `from_at` and the
+/// other at `onto_at` (SurfaceVoxels::seen_at).
+using MotionOfPlace =
+    std::function<Eigen::Vector3d(const Eigen::Vector3d& at_m, std::uint8_t from_at, std::uint8_t onto_at)>;
+
 /// Centroids of these voxels of `from` against the planes of `onto` near them, at most `search_m` away, whose normals
-/// agree; appended, in the frame of `onto`. Weights are the planes' planarity.
+/// agree; appended, in the frame of `onto`. Weights are the planes' planarity. With a `shift`, each looks near where
+/// that puts it, given when what it meets without was seen; residuals are without it all the same.
 void match_voxels(const VoxelMap& from, std::span<const std::uint32_t> voxels, RepeatedSearch& in_onto,
-                  const Pose3& T_onto_from, double search_m, std::vector<PlaneResidual>& residuals);
+                  const Pose3& T_onto_from, double search_m, std::vector<PlaneResidual>& residuals,
+                  const MotionOfPlace& shift = {});
 
 /// Centroids of about `max_points` voxels of each submap against the planes through the other's near them (the nearest,
 /// or what RepeatedSearch takes for it), at most `search_m` away, normals within 53 degrees; both ways, so that it does
-/// not matter which of the two is called the source. Weights are the planes' planarity. Target frame.
+/// not matter which of the two is called the source. Weights are the planes' planarity. Target frame. A `shift` moves
+/// the source's places on top of the pose, `from_at` being when the source saw them.
 [[nodiscard]] std::vector<PlaneResidual> match_planes(PlanePair& pair, const Pose3& T_target_source, double search_m,
-                                                      std::size_t max_points);
+                                                      std::size_t max_points, const MotionOfPlace& shift = {});
 
 /// The same, of every `stride`-th voxel of both.
 [[nodiscard]] std::vector<PlaneResidual> match_every(PlanePair& pair, const Pose3& T_target_source, double search_m,

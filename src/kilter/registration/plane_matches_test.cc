@@ -48,6 +48,37 @@ void expect_same(const PlaneResidual& a, const PlaneResidual& b) {
   EXPECT_EQ(a.target_at, b.target_at);
 }
 
+// A shift that is the same everywhere finds what the moved pose finds, and reports where things are without it.
+TEST(MatchPlanes, LookWhereAShiftPutsThem) {
+  const Rooms rooms;
+  PlanePair pair{rooms.source, rooms.target};
+  const Eigen::Vector3d shift_m(-0.05, 0.03, -0.02);
+  std::size_t asked = 0;
+  const auto shifted =
+      match_planes(pair, rooms.T_target_source, kReach_m, kAllPoints, [&](const Eigen::Vector3d&, auto, auto) {
+        ++asked;
+        return shift_m;
+      });
+  const auto moved =
+      match_planes(pair, Pose3(Eigen::Quaterniond::Identity(), shift_m) * rooms.T_target_source, kReach_m, kAllPoints);
+  EXPECT_GE(asked, shifted.size());
+  ASSERT_GT(shifted.size(), 1000U);
+  EXPECT_LE(shifted.size(), moved.size());
+  EXPECT_GE(shifted.size(), moved.size() * 95 / 100) << "only what meets nothing without the shift is left out";
+  // What a voxel of the source asks lies a shift away; what one of the target asks lies where it was.
+  std::size_t next = 0;
+  for (const PlaneResidual& r : shifted) {
+    const auto same = [&](const PlaneResidual& other) {
+      const Eigen::Vector3d apart_m = other.point_m - r.point_m;
+      return std::min((apart_m - shift_m).norm(), apart_m.norm()) < 1e-6 &&
+             (other.direction - r.direction).norm() < 1e-6;
+    };
+    while (next < moved.size() && !same(moved[next])) ++next;
+    ASSERT_LT(next, moved.size());
+    EXPECT_NEAR(moved[next].residual_m, r.residual_m + r.direction.dot(shift_m), 1e-6);
+  }
+}
+
 // One voxel after the other, by the definitions.
 TEST(MatchVoxels, AreWhatTheFieldTheLimitAndTheNormalsAllow) {
   const Rooms rooms;

@@ -24,7 +24,6 @@ constexpr double kKernelOfSearch = 0.5;     // kernel scale at least this share 
 constexpr double kFinalKernelVoxels = 0.5;  // level, where it is at least this many voxels
 constexpr double kSmallStep_m = 1e-3;
 constexpr double kSmallTurn_rad = 1e-4;
-constexpr std::size_t kBendPoints = 8000;  // of each submap
 constexpr std::size_t kFewestResiduals = 40;
 constexpr int kPolishSteps = 3;
 constexpr double kPolished_m = 1e-4;
@@ -254,15 +253,15 @@ RegistrationResult finish(PlanePair& pair, const Pose3& start, Descent descent, 
     return result;
   }
   count_support(pair, start, descent.T, final_search_m(pair.grain, options), look.residuals, result);
-  result.bend = measure_bend(match_planes(pair, descent.T, options.search_distance_m, kBendPoints), pair.grain,
-                             options.search_distance_m);
+  const std::vector<PlaneResidual> places = match_planes(pair, descent.T, options.search_distance_m, kBendPoints);
+  result.bend = measure_bend(pair, descent.T, options.search_distance_m, places);
   result.T_target_source_closest = descent.T;
   result.T_target_source = to_least_apart(result.bend, look) * descent.T;
   result.residual_rms_m = std::sqrt(look.equations.squares_m2 / look.equations.weight);
   result.covariance_cells = cell_covariance(look.residuals, look.equations, look.split, pair.grain.variance_m2);
   result.covariance_measured =
       plane_covariance(look.residuals, look.equations, look.split, result.bend) + result.covariance_cells;
-  describe_uncertainty(look.residuals, look.equations, look.split, prior, result);
+  describe_uncertainty(places, look.equations, look.split, prior, result);
   return result;
 }
 

@@ -3,6 +3,9 @@
 #include "kilter/registration/uncertainty.h"
 
 #include <cmath>
+#include <vector>
+
+#include "kilter/registration/patches.h"
 
 namespace kilter {
 namespace {
@@ -24,8 +27,11 @@ constexpr double kBendShareInTime = 0.01;
 
 }  // namespace
 
-Matrix6 displacement_form(const Eigen::Matrix3d& scatter_m2) {
+Matrix6 displacement_form(const Eigen::Vector3d& arm_m, const Eigen::Matrix3d& scatter_m2) {
+  // |v + w x a|^2 = |v|^2 + 2 w . (a x v) + |w|^2 |a|^2 - (w . a)^2
   Matrix6 M = Matrix6::Identity();
+  M.bottomLeftCorner<3, 3>() << 0.0, -arm_m.z(), arm_m.y(), arm_m.z(), 0.0, -arm_m.x(), -arm_m.y(), arm_m.x(), 0.0;
+  M.topRightCorner<3, 3>() = M.bottomLeftCorner<3, 3>().transpose();
   M.bottomRightCorner<3, 3>() = scatter_m2.trace() * Eigen::Matrix3d::Identity() - scatter_m2;
   return M;
 }
@@ -39,10 +45,21 @@ Matrix6 plane_covariance(std::span<const PlaneResidual> residuals, const NormalE
          offset_covariance(residuals, equations, split, of_bend) + blur_covariance(equations, split);
 }
 
-void describe_uncertainty(std::span<const PlaneResidual> residuals, const NormalEquations& equations,
+void describe_uncertainty(std::span<const PlaneResidual> places, const NormalEquations& equations,
                           const ObservableSplit& split, const RegistrationPrior& prior, RegistrationResult& result) {
   result.centre_target_m = equations.centre_m;
-  result.scatter_m2 = scatter_about(residuals, equations.centre_m);
+  const std::vector<double> weights = place_weights(places, equations.centre_m);
+  double sum = 0.0;
+  result.places_arm_m.setZero();
+  result.scatter_m2.setZero();
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const Eigen::Vector3d arm_m = places[i].point_m - equations.centre_m;
+    sum += weights[i];
+    result.places_arm_m += weights[i] * arm_m;
+    result.scatter_m2.noalias() += weights[i] * arm_m * arm_m.transpose();
+  }
+  result.places_arm_m /= sum;
+  result.scatter_m2 /= sum;
   result.covariance_centre =
       result.covariance_measured + prior_covariance(equations, split, prior.translation_m, prior.rotation_rad);
   result.covariance = covariance_in_source(result.covariance_centre, equations.centre_m, result.T_target_source);

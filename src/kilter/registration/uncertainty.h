@@ -14,8 +14,9 @@ inline constexpr double kPatch_m = 2.0;
 /// Centroids sit within a tenth of a voxel of the surface they stand for, and a patch may be off by it as a whole.
 inline constexpr double kPlanePatchVoxels = 0.1;
 
-/// M of the mean square x^T M x by which a motion x = (v, w) displaces places of this scatter about its centre.
-[[nodiscard]] Matrix6 displacement_form(const Eigen::Matrix3d& scatter_m2);
+/// M of the mean square x^T M x by which a motion x = (v, w) displaces places whose arms from its centre have this mean
+/// and this second moment.
+[[nodiscard]] Matrix6 displacement_form(const Eigen::Vector3d& arm_m, const Eigen::Matrix3d& scatter_m2);
 
 /// What is known of a pose that planes fix, as a covariance of (v, w) on the observable directions: patches of surface
 /// lie off by what their own residuals scatter, what lies within one part of a bend is off alike, and what fits
@@ -23,9 +24,9 @@ inline constexpr double kPlanePatchVoxels = 0.1;
 [[nodiscard]] Matrix6 plane_covariance(std::span<const PlaneResidual> residuals, const NormalEquations& equations,
                                        const ObservableSplit& split, const Bend& bend);
 
-/// Fills in what a finished registration says about itself: centre and scatter of the matched voxels, covariances,
+/// Fills in what a finished registration says about itself: centre and scatter of the places, covariances,
 /// unobservable directions. `result.T_target_source` and `result.covariance_measured` must be set.
-void describe_uncertainty(std::span<const PlaneResidual> residuals, const NormalEquations& equations,
+void describe_uncertainty(std::span<const PlaneResidual> places, const NormalEquations& equations,
                           const ObservableSplit& split, const RegistrationPrior& prior, RegistrationResult& result);
 
 }  // namespace kilter

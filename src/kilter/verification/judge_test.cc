@@ -112,9 +112,28 @@ TEST(JudgePair, LittleSeenByBothIsJudgedButNotWaitedFor) {
   EXPECT_NE(other_floor.reason.find("the places may differ"), std::string::npos) << other_floor.reason;
   EXPECT_FALSE(other_floor.p_value);
   EXPECT_NEAR(*other_floor.log_odds, std::log(4.0 * 0.05 / 0.95), 0.01);
-  sure.common = CommonSurface{.matched = 3000, .overlap = 0.4, .any = true, .enough = true};
+  sure.common = CommonSurface{.matched = 6000, .overlap = 0.6, .any = true, .enough = true};
   EXPECT_FALSE(may_show_different_places(sure, kNull));
   EXPECT_EQ(verdict_of(sure), Verdict::kInconsistent);
+}
+
+// Surfaces that lie apart stand in each other's free space. Where they do not, other surfaces may be what fits.
+TEST(JudgePair, AMoveThatFreeSpaceKnowsNothingOfNeedsMostOfASideInCommon) {
+  PairEvidence pair = pair_moved(0.25, 0.01);
+  pair.common = CommonSurface{.matched = 3000, .overlap = 0.4, .any = true, .enough = true};
+  pair.map.conflict = {{1000, 20}, {1000, 20}};  // as much as usual in this map
+  const PairVerdict silent = judge_pair(pair, kNull, {});
+  EXPECT_FALSE(may_show_different_places(pair, kNull)) << "the map waits for it";
+  EXPECT_EQ(silent.verdict, Verdict::kUnverified);
+  EXPECT_NE(silent.reason.find("the places may differ"), std::string::npos) << silent.reason;
+  EXPECT_NEAR(*silent.log_odds, std::log(4.0 * 0.05 / 0.95), 0.01);
+  pair.map.conflict = {{1000, 40}, {1000, 40}};
+  EXPECT_EQ(verdict_of(pair), Verdict::kInconsistent);
+  pair.map.conflict = {{100, 2}, {100, 2}};  // hardly known
+  EXPECT_EQ(verdict_of(pair), Verdict::kInconsistent);
+  pair.map.conflict = {{1000, 20}, {1000, 20}};
+  pair.common->overlap = 0.6;
+  EXPECT_EQ(verdict_of(pair), Verdict::kInconsistent);
 }
 
 TEST(JudgePair, FailedRegistrationIsUnverifiedAndSaysHow) {
@@ -320,7 +339,7 @@ TEST(JudgePair, ARegistrationThatIsNotBelievedSaysLittleOfTheProbability) {
   PairEvidence pair = pair_moved(0.6, 0.01);
   pair.registered->overlap = 0.3;  // lost
   const PairVerdict doubted = judge_pair(pair, {}, {});
-  EXPECT_NEAR(*doubted.log_odds, std::log(100.0 * 0.05 / 0.95), 0.01);
+  EXPECT_NEAR(*doubted.log_odds, std::log(400.0 * 0.05 / 0.95), 0.01);
   EXPECT_FALSE(doubted.p_value);
   EXPECT_NEAR(*doubted.log_odds, *doubted.evidence.at("disagreement").log_ratio + std::log(0.05 / 0.95), 1e-12);
   PairEvidence still = pair_moved(0.01, 0.01);

@@ -56,7 +56,7 @@ OffsetEstimate estimate_offset(const RegistrationResult& registration, const Pos
   Vector6 x;
   x.head<3>() = registration.centre_target_m - start_m;
   x.tail<3>() = moved.log().tail<3>();
-  const Matrix6 M = displacement_form(registration.scatter_m2);
+  const Matrix6 M = displacement_form(registration.places_arm_m, registration.scatter_m2);
   OffsetEstimate estimate;
   estimate.offset_m = std::sqrt(x.dot(M * x));
   estimate.offset_rad = x.tail<3>().norm();

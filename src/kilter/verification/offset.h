@@ -38,7 +38,7 @@ struct OffsetEstimate {
 /// Relative standard deviation between an RMS over matched voxels and that over all places that both submaps saw, which
 /// is what a disagreement is: voxels cluster near the sensors. Seen where the truth is known
 /// (`benchmarks/accuracy/run`).
-inline constexpr double kPlacesScatter = 0.1;
+inline constexpr double kPlacesScatter = 0.05;
 
 /// The law of the squared disagreement: what a rigid motion moves, what none mends, and kPlacesScatter.
 [[nodiscard]] OffsetEstimate::SquareLaw disagreement_law(const OffsetEstimate::SquareLaw& offset, const Bend& bend);

@@ -33,6 +33,18 @@ TEST(EstimateOffset, PureTranslationIsItsLength) {
   EXPECT_NEAR(offset.sigma_m, 0.01, 1e-9);
 }
 
+// The middle of what fixes the pose need not be that of the places.
+TEST(EstimateOffset, PlacesBesideTheCentreMoveWithTheTurn) {
+  const Eigen::Vector3d centre(5.0, 1.0, 0.5);
+  const Eigen::Quaterniond turn(Eigen::AngleAxisd(0.02, Eigen::Vector3d::UnitZ()));
+  RegistrationResult result = registered({turn, centre - turn * centre + Eigen::Vector3d(0.0, 0.1, 0.0)}, 0.01, 0.001);
+  result.places_arm_m = {10.0, 0.0, 0.0};
+  result.scatter_m2 = Eigen::Vector3d(100.0, 0.0, 0.0).asDiagonal();  // all of them 10 m ahead
+  EXPECT_NEAR(estimate_offset(result, {}).offset_m, 0.1 + 0.02 * 10.0, 1e-3);
+  result.places_arm_m = {-10.0, 0.0, 0.0};
+  EXPECT_NEAR(estimate_offset(result, {}).offset_m, 0.1, 1e-3);
+}
+
 TEST(EstimateOffset, RotationCountsByTheSpreadOfThePlaces) {
   // Turn about the vertical through the overlap's centre: mean square arm from that axis is 9 + 4.
   const Eigen::Vector3d centre(5.0, 1.0, 0.5);
