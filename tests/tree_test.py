@@ -38,6 +38,16 @@ class CheckTree(unittest.TestCase):
                 (module / name).write_text(HEAD, encoding="utf-8")
             self.assertEqual(check_tree.check(Path(folder)), ["src/kilter/io/forgotten.cc: no CMakeLists.txt names it"])
 
+    def test_a_source_that_hides_what_its_header_lacks_is_named(self):
+        with tempfile.TemporaryDirectory() as folder:
+            source = Path(folder, "src/kilter/io/a.cc")
+            source.parent.mkdir(parents=True)
+            source.write_text('#include <vector>\n#include "kilter/io/a.h"\n', encoding="utf-8")
+            self.assertFalse(check_tree.hides_its_header(source))
+            source.with_suffix(".h").touch()
+            self.assertTrue(check_tree.hides_its_header(source))
+            source.write_text('#include "kilter/io/a.h"\n\n#include <vector>\n', encoding="utf-8")
+            self.assertFalse(check_tree.hides_its_header(source))
 
     def test_a_test_that_nobody_runs_is_named(self):
         with tempfile.TemporaryDirectory() as folder:

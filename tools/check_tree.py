@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-FileCopyrightText: The kilter authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Checks what no compiler does: licence lines, length of files, forgotten files, unfinished work.
+"""Checks what no compiler does: licence lines, length of files, own headers first, forgotten files, unfinished work.
 
 check_tree.py [--root DIR]   prints each violation as file: reason; exit status 1 if there is one
 """
@@ -36,6 +36,14 @@ def objections(text: str) -> list[str]:
     return found
 
 
+def hides_its_header(path: Path) -> bool:
+    """Whether a source includes something before the header of its name, which then need not compile alone."""
+    if path.suffix != ".cc" or not path.with_suffix(".h").is_file():
+        return False
+    first = re.search(r'^\s*#\s*include\s+(\S+)', path.read_text(encoding="utf-8"), re.MULTILINE)
+    return not first or not path.with_suffix(".h").as_posix().endswith("/" + first.group(1).strip('"<>'))
+
+
 def unbuilt(root: Path) -> list[Path]:
     """Files below a CMakeLists.txt of a module or program that it does not name: nobody builds or installs them."""
     found = []
@@ -59,6 +67,8 @@ def check(root: Path) -> list[str]:
     """All violations of the tree at `root`."""
     found = [f"{path.relative_to(root)}: {reason}" for path in sources(root)
              for reason in objections(path.read_text(encoding="utf-8"))]
+    found += [f"{path.relative_to(root)}: includes something before the header of its name" for path in sources(root)
+              if hides_its_header(path)]
     forgotten = unbuilt(root) + unregistered(root)
     return found + [f"{path.relative_to(root)}: no CMakeLists.txt names it" for path in forgotten]
 
