@@ -133,6 +133,15 @@ class Submaps(unittest.TestCase):
         self.assertIn(f"usage: -o {scans}: the clouds of robot a lie here", run.stderr)
         self.assertEqual(sorted(self.tiny.mission.rglob("*")), before)
 
+    def test_submaps_are_not_written_over_those_that_are_read(self):
+        folder = self.write("read")
+        before = bytes_below(folder)
+        for source in (folder, folder / "b"):
+            run = run_kilter("submaps", source, "-o", folder, "--replace", "--set", "resolution=0.5")
+            self.assertEqual((run.status, run.stdout), (2, ""))
+            self.assertIn("submaps: the clouds of robot", run.stderr)
+            self.assertEqual(bytes_below(folder), before)
+
     def test_folders_of_others_are_refused(self):
         run = run_kilter("submaps", self.tiny.mission, "-o", self.tiny.mission)
         self.assertEqual((run.status, run.stdout), (2, ""))

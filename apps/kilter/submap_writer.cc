@@ -108,6 +108,10 @@ std::string extension_of(SubmapFormat format) {
   return {};
 }
 
+fs::path submap_file(std::size_t number, SubmapFormat format) {
+  return fs::path("submaps") / fmt::format("{:06}.{}", number, extension_of(format));
+}
+
 Expected<std::string> submap_bytes(const VoxelMap& map, SubmapFormat format, const OccupancyOptions& options) {
   if (format == SubmapFormat::kPcd) return cloud_pcd(map.voxels().centroids_m);
   if (format == SubmapFormat::kPly) return cloud_ply(map.voxels().centroids_m, {}, "submap");
@@ -150,8 +154,7 @@ Expected<WaitingSubmaps> write_submaps(const StagingFolder& staging, const std::
       bytes.error().where = printable(submaps[i].name);
       return pass_up(std::move(bytes.error()));
     }
-    const fs::path name = fs::path("submaps") / fmt::format("{:06}.{}", i, extension_of(format));
-    if (auto done = write(name, *bytes); !done) return pass_up(done.error());
+    if (auto done = write(submap_file(i, format), *bytes); !done) return pass_up(done.error());
   }
   if (auto done = write(kPoses, poses_text(submaps, stamps_ns)); !done) return pass_up(done.error());
   return waiting;

@@ -19,6 +19,9 @@ enum class SubmapFormat { kOt, kBt, kPcd, kPly };
 
 [[nodiscard]] std::string extension_of(SubmapFormat format);
 
+/// Where a robot's folder keeps its submap of this number: submaps/000000.EXT.
+[[nodiscard]] std::filesystem::path submap_file(std::size_t number, SubmapFormat format);
+
 /// One submap in its own frame. Free voxels of an octree get the log-odds of one miss; points are voxels' centroids.
 /// \return  the file's bytes, or kUnsupported: an octree cannot hold what lies that far from its origin.
 [[nodiscard]] Expected<std::string> submap_bytes(const VoxelMap& map, SubmapFormat format,

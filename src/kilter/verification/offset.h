@@ -35,9 +35,8 @@ struct OffsetEstimate {
 /// Precondition: the registration converged.
 [[nodiscard]] OffsetEstimate estimate_offset(const RegistrationResult& registration, const Pose3& T_target_source_map);
 
-/// Relative standard deviation between an RMS over matched voxels and that over all places that both submaps saw, which
-/// is what a disagreement is: voxels cluster near the sensors. Seen where the truth is known
-/// (`benchmarks/accuracy/run`).
+/// Relative standard deviation between an RMS over the places that were matched and that over all that both submaps
+/// saw, which is what a disagreement is. Seen where the truth is known (`benchmarks/accuracy/run`).
 inline constexpr double kPlacesScatter = 0.05;
 
 /// The law of the squared disagreement: what a rigid motion moves, what none mends, and kPlacesScatter.
