@@ -122,16 +122,9 @@ void TimedMotions::add_up_places() {
   form_.setZero();
   for (Cell& cell : cells_) {
     for (std::size_t i = cell.first; i < cell.last; ++i) {
-      // |v + w x a|^2 = |v|^2 + 2 w . (a x v) + |w|^2 |a|^2 - (w . a)^2
-      const Eigen::Vector3d a = (residuals_[i].point_m - centre_m_) / radius_m_;
-      Eigen::Matrix3d across;  // across * v = a x v
-      across << 0.0, -a.z(), a.y(), a.z(), 0.0, -a.x(), -a.y(), a.x(), 0.0;
-      Matrix6 of_place = Matrix6::Identity();
-      of_place.bottomLeftCorner<3, 3>() = across;
-      of_place.bottomRightCorner<3, 3>() = a.squaredNorm() * Eigen::Matrix3d::Identity() - a * a.transpose();
-      cell.form += place[i] * of_place;
+      const Eigen::Vector3d arm = (residuals_[i].point_m - centre_m_) / radius_m_;
+      cell.form += place[i] * displacement_form(arm, arm * arm.transpose());
     }
-    cell.form.topRightCorner<3, 3>() = cell.form.bottomLeftCorner<3, 3>().transpose();
     form_ += cell.form;
   }
 }

@@ -29,9 +29,9 @@ struct TimesKnown {
 /// two saw is outvoted. Then places are matched anew, twice, where the motions put them: trunks and poles would
 /// otherwise pull towards whichever side of them was near at the aligned pose, and a bend seem smaller than it is.
 ///
-/// \return what is left once the one motion that leaves the least apart is taken out, and that motion; each place
+/// \return what is left once the one motion that leaves the least apart is taken out, and that motion. Each place
 /// counts
-///         once (place_weights)
+///         once (place_weights).
 /// Cost: sixteen passes over the residuals, each with a Cholesky factor of 144 unknowns, and matching them twice.
 [[nodiscard]] Bend bend_in_time(std::span<const PlaneResidual> residuals, const PairGrain& grain, double reach_m,
                                 const Rematch& rematch);

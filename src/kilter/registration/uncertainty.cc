@@ -25,6 +25,20 @@ constexpr double kBendCell_m = 8.0;
 constexpr double kBendShare = 0.5;
 constexpr double kBendShareInTime = 0.01;
 
+void note_places(std::span<const PlaneResidual> places, const Eigen::Vector3d& centre_m, RegistrationResult& result) {
+  if (places.empty()) return;
+  const std::vector<double> weights = place_weights(places, centre_m);
+  double sum = 0.0;
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const Eigen::Vector3d arm_m = places[i].point_m - centre_m;
+    sum += weights[i];
+    result.places_arm_m += weights[i] * arm_m;
+    result.scatter_m2.noalias() += weights[i] * arm_m * arm_m.transpose();
+  }
+  result.places_arm_m /= sum;
+  result.scatter_m2 /= sum;
+}
+
 }  // namespace
 
 Matrix6 displacement_form(const Eigen::Vector3d& arm_m, const Eigen::Matrix3d& scatter_m2) {
@@ -48,18 +62,7 @@ Matrix6 plane_covariance(std::span<const PlaneResidual> residuals, const NormalE
 void describe_uncertainty(std::span<const PlaneResidual> places, const NormalEquations& equations,
                           const ObservableSplit& split, const RegistrationPrior& prior, RegistrationResult& result) {
   result.centre_target_m = equations.centre_m;
-  const std::vector<double> weights = place_weights(places, equations.centre_m);
-  double sum = 0.0;
-  result.places_arm_m.setZero();
-  result.scatter_m2.setZero();
-  for (std::size_t i = 0; i < places.size(); ++i) {
-    const Eigen::Vector3d arm_m = places[i].point_m - equations.centre_m;
-    sum += weights[i];
-    result.places_arm_m += weights[i] * arm_m;
-    result.scatter_m2.noalias() += weights[i] * arm_m * arm_m.transpose();
-  }
-  result.places_arm_m /= sum;
-  result.scatter_m2 /= sum;
+  note_places(places, equations.centre_m, result);
   result.covariance_centre =
       result.covariance_measured + prior_covariance(equations, split, prior.translation_m, prior.rotation_rad);
   result.covariance = covariance_in_source(result.covariance_centre, equations.centre_m, result.T_target_source);
