@@ -96,6 +96,12 @@ class Ablation(unittest.TestCase):
         ambiguous = row_of(0.4, 50.0, ambiguity={"value": 0.9})
         self.assertEqual(ablation.decide(ambiguous), "unverified")
         self.assertEqual(ablation.decide(ambiguous, "ambiguity"), "inconsistent")
+        ambiguous["pieces"]["disagreement"]["log_ratio"] = 6.0  # as the program bounds it
+        self.assertEqual(ablation.decide(ambiguous, "ambiguity"), "inconsistent")
+        self.assertEqual(ablation.decide(ambiguous, "neighbours"), "unverified")
+        other_sides = row_of(0.2, 50.0, reason="but few voxels show a side that both saw, and no free space speaks")
+        self.assertEqual(ablation.decide(other_sides), "unverified")
+        self.assertEqual(ablation.decide(other_sides, "sides seen by both"), "inconsistent")
         bent = row_of(0.03, -30.0)
         bent["pieces"]["disagreement"] = {"value": 0.5, "log_ratio": 40.0}
         self.assertEqual(ablation.decide(bent), "inconsistent")

@@ -14,7 +14,7 @@ SURE = math.log(0.99 / 0.01)
 PRIOR = math.log(0.05 / 0.95)
 
 PIECES = ("bend", "neighbours", "ambiguity", "kept overlap", "conflict once registered", "gain of support",
-          "free space alone", "conflict that a motion mends", "a better fit elsewhere")
+          "sides seen by both", "free space alone", "conflict that a motion mends", "a better fit elsewhere")
 WHATEVER_IT_IS = 0.25  # share of conflict, above the typical, that needs no motion to speak
 
 
@@ -32,8 +32,10 @@ def free_space(row, without):
 
 
 def log_odds(row, without=""):
-    """Of a disagreement above the tolerance, at the prior; 0 where nothing was measured."""
-    said = value(row, "displacement" if without == "bend" else "disagreement", "log_ratio")
+    """Of a disagreement above the tolerance, at the prior; 0 where nothing was measured. What a doubt bounds is told by the
+    displacement alone once the doubt is taken away."""
+    believed = without == "bend" or (without and doubts(row) == {without})
+    said = value(row, "displacement" if believed else "disagreement", "log_ratio")
     alone = free_space(row, without)
     ratios = [ratio for ratio in (said, alone) if ratio is not None]
     return max(ratios) + PRIOR if ratios else 0.0
@@ -65,6 +67,8 @@ def doubts(row):
         found.add("conflict once registered")
     if moved and not support_grew(row):
         found.add("gain of support")
+    if "few voxels show a side that both saw, and no free space" in row["reason"]:
+        found.add("sides seen by both")
     return found
 
 

@@ -342,6 +342,7 @@ def sealed(answers):
         calibration_table(some)
         set_shares_table(some)
         certificate_line(some)
+    ablation_table(answers)
 
 
 def clean(answers):
