@@ -293,8 +293,7 @@ def certificate_line(answers):
 def ablation_table(answers):
     table = []
     rows = [r for r in rows_of(answers) if r["overlap"] >= ENOUGH_OVERLAP and r["fixed"]]
-    bad = [r for r in rows if r["rms_m"] > BAD_M]
-    good = [r for r in rows if r["rms_m"] < GOOD_M]
+    bad, good = [r for r in rows if r["rms_m"] > BAD_M], [r for r in rows if r["rms_m"] < GOOD_M]
     cases = [("as the program has it", lambda r: r["verdict"], published),
              ("decided again, all pieces", ablation.decide, ablation.log_odds)]
     cases += [(f"without {name}", lambda r, n=name: ablation.decide(r, n), lambda r, n=name: ablation.log_odds(r, n))
