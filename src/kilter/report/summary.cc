@@ -118,6 +118,7 @@ std::string cause_of(std::string_view reason) {
     const std::size_t end = reason.find(')');
     if (end != std::string_view::npos) reason.remove_prefix(end + 1);
     reason.remove_prefix(std::min(reason.find_first_not_of(" ,;:"), reason.size()));
+    if (reason.starts_with("but ")) reason.remove_prefix(4);
   }
   reason = reason.substr(0, reason.find(';'));
   std::string cause;

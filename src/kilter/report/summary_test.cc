@@ -156,12 +156,16 @@ TEST(Summary, CountsPairsByKind) {
 }
 
 TEST(Summary, ReasonsThatDifferInNumbersAreCountedTogether) {
-  Result result = testing::result_of({{"a", 4}});
+  Result result = testing::result_of({{"a", 5}});
   testing::add_empty_pair(result, 1, 0).verdict.reason = "offset 3.1 cm (2.0 to 4.2 cm): too uncertain";
+  testing::add_empty_pair(result, 4, 0).verdict.reason =
+      "offset 31 cm (20 to 42 cm), but the pair agrees no better there";
   testing::add_empty_pair(result, 2, 0).verdict.reason = "offset 13.1 cm (9.0 to 24.2 cm): too uncertain";
   testing::add_empty_pair(result, 3, 0).verdict.reason = "too little overlap: 7 % match; moved by 1.5 m, more would";
   const std::string text = summary(result);
-  EXPECT_THAT(text, HasSubstr("Unverified  2 x too uncertain\n            1 x too little overlap: .. % match\n"));
+  EXPECT_THAT(text, HasSubstr("Unverified  2 x too uncertain\n            1 x "));
+  EXPECT_THAT(text, HasSubstr("  1 x too little overlap: .. % match\n"));
+  EXPECT_THAT(text, HasSubstr("  1 x the pair agrees no better there\n"));
 }
 
 TEST(Summary, SaysWhatTheCertificateLeavesOut) {
