@@ -37,7 +37,7 @@ function(kilter_module name)
 
   if(KILTER_BUILD_TESTS AND M_TESTS)
     add_executable(${target}_test ${M_TESTS})
-    target_compile_options(${target}_test PRIVATE $<$<CONFIG:Release>:-O1>)  # a third of what -O3 takes to compile them
+    target_compile_options(${target}_test PRIVATE $<$<CONFIG:Release>:-O1>)  # up to two fifths less to compile than with -O3
     target_link_libraries(${target}_test PRIVATE ${target} $<BUILD_INTERFACE:kilter_flags> kilter_testing GTest::gmock GTest::gtest_main)
     set_target_properties(${target}_test PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
     include(GoogleTest)

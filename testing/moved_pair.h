@@ -2,6 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <string>
+#include <vector>
+
 #include "kilter/verification/judge.h"
 
 namespace kilter::testing {
@@ -30,6 +33,23 @@ inline PairEvidence pair_moved(double offset_m, double sigma_m, PairKind kind = 
   pair.registered = pair.map;
   pair.registered->mean_distance_m = 0.05;
   return pair;
+}
+
+/// A map of two robots whose good pairs are like this.
+inline const std::vector<std::string> kRobots = {"a", "b"};
+inline const MapNull kNull = {2.0, 0.1, 2.0, 0.1, 0.02, 0.01, 10};
+
+/// In that map.
+inline JudgedPair judged(const PairEvidence& pair, const JudgeOptions& options = {}) {
+  return {
+      pair.id, pair.kind, pair.overlaps, pair.kind == PairKind::kGlobal ? 1 : 0, 0, judge_pair(pair, kNull, options)};
+}
+
+/// With nothing else in it.
+inline Verdict verdict_of(const PairEvidence& pair, const JudgeOptions& options = {}) {
+  std::vector<JudgedPair> pairs = {judged(pair, options)};
+  (void)judge_map(pairs, kRobots, options);
+  return pairs[0].verdict.verdict;
 }
 
 }  // namespace kilter::testing

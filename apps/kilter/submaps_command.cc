@@ -101,8 +101,9 @@ Done<Job> open_job(const SubmapsCommand& command) {
   job.cuts = *std::move(cuts);
   if (auto fit = probe_output_folder(command.output_folder, {kPoseGraph}); !fit) return failed(fit.error(), true);
   std::vector<std::filesystem::path> names = {kPoseGraph};
-  for (const RobotLog& robot : job.mission.robots)
+  for (const RobotLog& robot : job.mission.robots) {
     names.push_back(std::filesystem::path(robot.name) / submap_file(0, command.format));
+  }
   if (auto fit = check_apart_from_clouds(command.output_folder, names, command.sources, job.mission); !fit) {
     return failed(fit.error());
   }

@@ -22,7 +22,7 @@ enum class BendKind {
 /// How far parts of an aligned pair still lie apart, because a submap is bent or holds a slip: no rigid motion mends
 /// it.
 struct Bend {
-  double rms_m = 0.0;        ///< RMS over the places of the remaining displacement, less what noise would give. [m]
+  double rms_m = 0.0;        ///< RMS of the remaining displacement: by time, over places (place_weights). [m]
   double variance_m4 = 0.0;  ///< of its square
   BendKind kind = BendKind::kSpace;
   int parts = 0;  ///< of the overlap that were looked at on their own

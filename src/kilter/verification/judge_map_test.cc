@@ -8,14 +8,11 @@
 namespace kilter {
 namespace {
 
-const std::vector<std::string> kRobots = {"a", "b"};
-
-const MapNull kNull = {2.0, 0.1, 2.0, 0.1, 0.02, 0.01, 10};
+using testing::kRobots;
 
 // A pair of robots a and b, or of a alone, that is this far apart, give or take.
 JudgedPair pair_apart(double apart_m, double sigma_m, PairKind kind = PairKind::kGlobal, int source = 1) {
-  const PairEvidence pair = testing::pair_moved(apart_m, sigma_m, kind, source);
-  return {pair.id, kind, true, kind == PairKind::kGlobal ? 1 : 0, 0, judge_pair(pair, kNull, {})};
+  return testing::judged(testing::pair_moved(apart_m, sigma_m, kind, source));
 }
 
 TEST(JudgeMap, OneBadPairMakesTheMapInconsistent) {

@@ -19,9 +19,6 @@ constexpr double kConsistentTail = 0.05;
 constexpr double kConflictSpreads = 4.0;
 constexpr double kOnePercent = 2.5758;  // standard deviations that chance exceeds once in a hundred, either side
 constexpr double kConflictSlack = 0.03;
-constexpr double kMostlyCommon = 0.5;   // of the voxels
-constexpr double kSilentShare = 0.001;  // of what both know
-constexpr double kFewestKnown = 400.0;  // voxels, of both submaps
 // Theta this many spreads below the map's own, and at least this many decades, is out of line.
 constexpr double kThetaSpreads = 3.0;
 constexpr double kThetaSlack = 0.3;
@@ -46,15 +43,7 @@ double theta_limit(const MapNull& null) {
   return null.log10_theta - std::max(kThetaSpreads * null.log10_theta_spread, kThetaSlack);
 }
 
-// What stands apart stands in space that the other submap saw through. Where hardly anything does, no more than in
-// other pairs of the map, and less than half of the voxels show a side that both saw, a move beyond the tolerance may
-// be that of other surfaces: of 8,782 pairs that are rightly called inconsistent, 18 are like that.
-bool free_space_is_silent(const PairEvidence& pair, const MapNull& null) {
-  return pair.common && pair.common->overlap < kMostlyCommon &&
-         static_cast<double>(pair.map.conflict.known()) >= kFewestKnown &&
-         pair.map.conflict.share() <= std::max(null.conflict, kSilentShare);
-}
-
+// A move beyond the tolerance may then be that of other surfaces.
 bool surfaces_may_differ(const PairEvidence& pair, const MapNull& null) {
   return may_show_different_places(pair, null) || free_space_is_silent(pair, null);
 }

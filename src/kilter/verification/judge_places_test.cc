@@ -3,8 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <string>
-#include <vector>
 
 #include "kilter/verification/judge.h"
 #include "testing/moved_pair.h"
@@ -12,17 +10,9 @@
 namespace kilter {
 namespace {
 
+using testing::kNull;
 using testing::pair_moved;
-
-const MapNull kNull = {2.0, 0.1, 2.0, 0.1, 0.02, 0.01, 10};
-const std::vector<std::string> kRobots = {"a", "b"};
-
-// With nothing else in the map.
-Verdict verdict_of(const PairEvidence& pair) {
-  std::vector<JudgedPair> pairs = {{pair.id, pair.kind, pair.overlaps, 1, 0, judge_pair(pair, kNull, {})}};
-  (void)judge_map(pairs, kRobots, {});
-  return pairs[0].verdict.verdict;
-}
+using testing::verdict_of;
 
 TEST(JudgePlaces, WhereNoSideIsSeenByBothAndNothingConflictsNothingIsCompared) {
   PairEvidence pair = pair_moved(0.25, 0.01);  // a floor, laid on the ceiling under it

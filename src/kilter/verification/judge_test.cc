@@ -11,22 +11,11 @@
 namespace kilter {
 namespace {
 
+using testing::judged;
+using testing::kNull;
+using testing::kRobots;
 using testing::pair_moved;
-
-const std::vector<std::string> kRobots = {"a", "b"};
-
-const MapNull kNull = {2.0, 0.1, 2.0, 0.1, 0.02, 0.01, 10};
-
-JudgedPair judged(const PairEvidence& pair, const JudgeOptions& options = {}) {
-  return {
-      pair.id, pair.kind, pair.overlaps, pair.kind == PairKind::kGlobal ? 1 : 0, 0, judge_pair(pair, kNull, options)};
-}
-
-Verdict verdict_of(const PairEvidence& pair, const JudgeOptions& options = {}) {
-  std::vector<JudgedPair> pairs = {judged(pair, options)};
-  (void)judge_map(pairs, kRobots, options);
-  return pairs[0].verdict.verdict;
-}
+using testing::verdict_of;
 
 TEST(JudgePair, OffsetAgainstToleranceDecides) {
   EXPECT_EQ(verdict_of(pair_moved(0.20, 0.01)), Verdict::kInconsistent);

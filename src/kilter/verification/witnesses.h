@@ -22,6 +22,10 @@ inline constexpr double kMaxLogOdds = 1e6;
 /// Whether more of what both saw conflicts at the registered pose than at the map's. Precondition: as above.
 [[nodiscard]] bool conflict_grew(const PairEvidence& pair);
 
+/// Whether less than half of the voxels show a side that both saw, and hardly anything stands in space that the other
+/// submap saw through, no more than in other pairs of the map: what lies apart would. False where too little is known.
+[[nodiscard]] bool free_space_is_silent(const PairEvidence& pair, const MapNull& null);
+
 /// Makes `log_odds` and `p_inconsistent` of a log likelihood ratio and the prior.
 void set_posterior(double log_ratio, const JudgeOptions& options, PairVerdict& verdict);
 
