@@ -274,12 +274,15 @@ def read_result(folder):
     return json.loads((pathlib.Path(folder) / "result.json").read_text(encoding="utf-8"))
 
 
-def is_constraint(pair, tolerance_m):
-    """Whether check hands a pair's registration on in constraints.g2o: decided, by it, and no submap bent beyond the
-    tolerance."""
-    bend_m = (pair["evidence"].get("bend_m") or {}).get("value") or 0.0
+def is_constraint(pair):
+    """Whether check hands a pair's registration on in constraints.g2o: decided, by it."""
     return (pair["verdict"] != "unverified" and pair["T_target_source_registered"] is not None
-            and not without_registration(pair) and bend_m <= tolerance_m)
+            and not without_registration(pair))
+
+
+def is_rigid(pair, tolerance_m):
+    """Whether one rigid motion mends a pair: where not, its covariance is that of bodies bent by so much."""
+    return ((pair["evidence"].get("bend_m") or {}).get("value") or 0.0) <= tolerance_m
 
 
 def without_registration(pair):

@@ -14,7 +14,7 @@
 #include "kilter/pipeline/pair_schedule.h"
 #include "kilter/pipeline/reconsider_pairs.h"
 #include "kilter/pipeline/submap_store.h"
-#include "kilter/registration/normal_equations.h"
+#include "kilter/registration/uncertainty.h"
 #include "kilter/verification/cycles.h"
 
 namespace kilter {
@@ -147,20 +147,18 @@ std::vector<JudgedPair> judge_all(const std::vector<PairMeasurement>& measured, 
 }
 
 // Covariances come from one pair each, and know nothing of what bends a submap from pair to pair; closed cycles do.
-// What nothing fixes keeps the prior's variance.
+// What nothing fixes keeps the prior's variance, and a bend beyond the tolerance has its own.
 CycleClosure widen_covariances(const std::vector<PairMeasurement>& measured, std::vector<PairResult>& pairs) {
   std::vector<RelativePose> poses;
   for (const PairResult& pair : pairs) {
-    if (pair.trusted && pair.verdict.unobservable.empty())
+    if (pair.trusted && pair.verdict.rigid && pair.verdict.unobservable.empty())
       poses.push_back({pair.id, *pair.T_target_source_registered, *pair.covariance});
   }
   const CycleClosure closure = close_cycles(poses);
   for (std::size_t i = 0; i < pairs.size() && closure.covariance_scale > 1.0; ++i) {
     if (!pairs[i].covariance) continue;
-    const RegistrationResult& registration = *measured[i].evidence.registration;
-    pairs[i].covariance = covariance_in_source(
-        registration.covariance_centre + (closure.covariance_scale - 1.0) * registration.covariance_measured,
-        registration.centre_target_m, registration.T_target_source);
+    pairs[i].covariance =
+        constraint_covariance(*measured[i].evidence.registration, pairs[i].verdict.rigid, closure.covariance_scale);
   }
   return closure;
 }

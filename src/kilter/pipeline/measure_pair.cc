@@ -9,6 +9,7 @@
 
 #include "kilter/matching/same_side.h"
 #include "kilter/registration/point_to_plane.h"
+#include "kilter/registration/uncertainty.h"
 
 namespace kilter {
 namespace {
@@ -264,8 +265,8 @@ PairResult pair_result(const PairMeasurement& measurement, const PairVerdict& ve
     result.registered_score = evidence.registered->score;
     result.registered_histogram = evidence.registered->histogram;
     result.T_target_source_registered = evidence.registration->T_target_source;
-    result.covariance = evidence.registration->covariance;
-    result.trusted = verdict.verdict != Verdict::kUnverified && verdict.rigid;
+    result.covariance = constraint_covariance(*evidence.registration, verdict.rigid, 1.0);
+    result.trusted = verdict.verdict != Verdict::kUnverified && !verdict.without_registration;
   }
   const auto gamma_of = [](const std::optional<PairScore>& score) {
     return score ? score->gamma_per_m3 : std::nullopt;

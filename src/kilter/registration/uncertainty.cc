@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "kilter/registration/uncertainty.h"
 
+#include <Eigen/Cholesky>
 #include <cmath>
 #include <vector>
 
@@ -69,6 +70,17 @@ void describe_uncertainty(std::span<const PlaneResidual> places, const NormalEqu
   for (int k = 0; k < split.unobservable; ++k) {
     result.unobservable.emplace_back((equations.unscale * split.directions.col(k)).normalized());
   }
+}
+
+Matrix6 constraint_covariance(const RegistrationResult& registration, bool rigid, double scale) {
+  Matrix6 covariance = registration.covariance_centre + (scale - 1.0) * registration.covariance_measured;
+  if (!rigid) {
+    // A place has an extent, so the form has an inverse even where all of them lie on a line.
+    Matrix6 M = displacement_form(registration.places_arm_m, registration.scatter_m2);
+    M.bottomRightCorner<3, 3>().diagonal().array() += kPlace_m * kPlace_m / 6.0;
+    covariance += std::pow(registration.bend.rms_m, 2) / 6.0 * M.ldlt().solve(Matrix6::Identity());
+  }
+  return covariance_in_source(covariance, registration.centre_target_m, registration.T_target_source);
 }
 
 }  // namespace kilter

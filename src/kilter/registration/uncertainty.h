@@ -29,4 +29,11 @@ inline constexpr double kPlanePatchVoxels = 0.1;
 void describe_uncertainty(std::span<const PlaneResidual> places, const NormalEquations& equations,
                           const ObservableSplit& split, const RegistrationPrior& prior, RegistrationResult& result);
 
+/// The covariance of a registration as a constraint between two submaps that move as one body each, of
+/// T_target_source * Exp(xi), xi = (x y z rx ry rz). Where no rigid motion mends the pair, what its bend leaves apart
+/// is not known of the bodies either: a motion that displaces the common places by the bend's RMS, as likely in each of
+/// the six directions of x^T M x, comes on top of what the registration claims. \param rigid  whether the bend is small
+/// enough not to count \param scale  of what was measured, from cycles of registrations (close_cycles)
+[[nodiscard]] Matrix6 constraint_covariance(const RegistrationResult& registration, bool rigid, double scale);
+
 }  // namespace kilter

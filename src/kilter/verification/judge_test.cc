@@ -136,7 +136,7 @@ TEST(JudgePair, FreeSpaceAloneTellsWrongPlaces) {
   EXPECT_EQ(pairs[0].verdict.verdict, Verdict::kInconsistent);
   EXPECT_NE(pairs[0].verdict.reason.find("40 % of what both saw conflicts"), std::string::npos)
       << pairs[0].verdict.reason;
-  EXPECT_FALSE(pairs[0].verdict.rigid) << "its registration is no constraint";
+  EXPECT_TRUE(pairs[0].verdict.without_registration) << "its registration is no constraint";
   EXPECT_GT(pairs[0].verdict.evidence.at("conflict").log_ratio, 0.0);
   EXPECT_FALSE(map.certificate_m) << "free space bounds a disagreement from below only";
   EXPECT_EQ(map.certificate_excludes.size(), 1U);
@@ -167,7 +167,6 @@ TEST(JudgePair, ConflictThatAMotionMendsIsNotOfThingsThatMoved) {
   pair.registered->conflict = {{1000, 30}, {1000, 30}};
   EXPECT_EQ(verdict_of(pair), Verdict::kInconsistent);
   EXPECT_NE(judged(pair).verdict.without_registration->find("a motion mends most of it"), std::string::npos);
-  EXPECT_FALSE(judged(pair).verdict.rigid) << "its registration is no constraint";
   PairEvidence stays = pair;
   stays.registered->conflict = {{1000, 80}, {1000, 80}};
   EXPECT_EQ(verdict_of(stays), Verdict::kUnverified);
@@ -204,7 +203,7 @@ TEST(JudgePair, WhereAnotherPoseFitsFarBetterTheMapIsWrongWhicheverIsRight) {
   EXPECT_EQ(found.verdict.verdict, Verdict::kInconsistent);
   EXPECT_NE(found.verdict.reason.find("4000 voxels"), std::string::npos) << found.verdict.reason;
   EXPECT_NE(found.verdict.reason.find("5 ask for another correction"), std::string::npos) << found.verdict.reason;
-  EXPECT_FALSE(found.verdict.rigid) << "its registration is no constraint";
+  EXPECT_TRUE(found.verdict.without_registration) << "its registration is no constraint";
   EXPECT_FALSE(found.verdict.disagreement_most_m) << "and bounds nothing";
   EXPECT_TRUE(found.verdict.evidence.at("support").log_ratio);
   EXPECT_EQ(among(8).verdict.verdict, Verdict::kUnverified);

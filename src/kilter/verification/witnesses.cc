@@ -85,7 +85,6 @@ double tolerated_conflict(const PairEvidence& pair, double tolerance_m) {
 // No registration is believed, so there is no constraint, and nothing bounds the disagreement from above.
 void decide_without_registration(double p_value, std::string reason, PairVerdict& verdict) {
   verdict.p_value = p_value;
-  verdict.rigid = false;
   verdict.disagreement_most_m.reset();
   verdict.without_registration = std::move(reason);
 }
