@@ -24,17 +24,22 @@ constexpr std::array<SceneInfo, 11> kScenes = {{
     {"paper-outdoor", "the seed paper's car park: slips within robots, both misaligned where they meet again"},
 }};
 
-// The same world and routes, no fault, and a map as good as SLAM makes it.
-Scene clean(Scene scene) {
+constexpr double kOfficeWall_m = 4.0;
+constexpr double kCarparkWall_m = 12.0;
+
+// The same world and routes, no fault, and a map as good as SLAM makes it: what was seen twice lies some centimetres
+// apart, also where it is as far away as walls mostly are here.
+Scene clean(Scene scene, double wall_m) {
   scene.faults.clear();
   scene.slam.closure_sigma_m = 0.02;
+  scene.slam.closure_sigma_rad *= kOfficeWall_m / wall_m;
   // It matches whatever it sees again, not only where it drives through the same place.
-  scene.slam.closure_distance_m = 4.0;
+  scene.slam.closure_distance_m = wall_m;
   scene.slam.closure_spacing_m = 1.0;
-  // And its odometry, matched against the map, loses half as much on the way between.
+  // And its odometry, matched against the map, loses less on the way between.
   scene.slam.drift.bias_m_per_m *= 0.5;
-  scene.slam.drift.bias_rad_per_m *= 0.5;
-  scene.slam.drift.yaw_rad_per_rad *= 0.5;
+  scene.slam.drift.bias_rad_per_m *= 2.0 / wall_m;
+  scene.slam.drift.yaw_rad_per_rad *= 2.0 / wall_m;
   return scene;
 }
 
@@ -64,8 +69,8 @@ Expected<Scene> make_scene(std::string_view name, const SceneOptions& options) {
   if (name == "tunnel-niches") return make_tunnel(options, true);
   if (name == "stairs") return make_stairs(options);
   if (name == "forest") return make_forest(options);
-  if (name == "clean-office") return clean(make_office(options));
-  if (name == "clean-carpark") return clean(make_carpark(options));
+  if (name == "clean-office") return clean(make_office(options), kOfficeWall_m);
+  if (name == "clean-carpark") return clean(make_carpark(options), kCarparkWall_m);
   if (name == "paper-indoor") return make_paper_indoor(options);
   if (name == "paper-outdoor") return make_paper_outdoor(options);
   return fail(ErrorCode::kInvalidArgument, "there is no scene \"" + printable(name) + "\"", {}, nearest_scene(name));
