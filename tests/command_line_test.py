@@ -178,6 +178,7 @@ class Explain(unittest.TestCase):
             self.assertGreater(len(explanations[name]), 40)
         for name in explanations:
             self.assertTrue(run_kilter("explain", name).stdout.startswith(f"{name}\n  "))
+        self.assertTrue(run_kilter("explain", "PARSE").stdout.startswith("parse\n"))
 
     def test_no_code_that_can_be_printed_is_missing(self):
         """Held against the sources: a code that somebody adds has to be explained, or this fails."""

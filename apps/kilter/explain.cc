@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: The kilter authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include <array>
+#include <cctype>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -87,17 +88,19 @@ std::vector<Topic> topics() {
   return all;
 }
 
-// The topics asked for: one, or all when none is named.
-Expected<std::vector<Topic>> chosen(const std::string& code) {
+// The topics asked for: one, or all when none is named. Codes are in small letters; what is asked may shout.
+Expected<std::vector<Topic>> chosen(std::string code) {
   std::vector<Topic> all = topics();
   if (code.empty()) return all;
+  const std::string asked = code;
+  for (char& letter : code) letter = static_cast<char>(std::tolower(static_cast<unsigned char>(letter)));
   std::vector<std::string> names;
   for (const Topic& topic : all) {
     if (topic.name == code) return std::vector<Topic>{topic};
     names.emplace_back(topic.name);
   }
   const std::string nearest = nearest_name(code, names);
-  return fail(ErrorCode::kUsage, fmt::format("there is no code \"{}\"", printable(code, 80)), {},
+  return fail(ErrorCode::kUsage, fmt::format("there is no code \"{}\"", printable(asked, 80)), {},
               nearest.empty() ? "kilter explain lists all" : "kilter explain " + nearest);
 }
 

@@ -135,7 +135,7 @@ Expected<std::vector<Submap>> build(const Job& job, std::size_t number, const Su
   if (job.memory_bytes == 0 || held <= job.memory_bytes) return submaps;
   return fail(
       ErrorCode::kOutOfMemory,
-      fmt::format("the submaps of {} need {:.0f} MB, more than --memory allows ({:.0f} MB)", printable(robot.name),
+      fmt::format("the submaps of {} need {:.3g} MB, more than --memory allows ({:.3g} MB)", printable(robot.name),
                   static_cast<double>(held) / 1e6, static_cast<double>(job.memory_bytes) / 1e6),
       {}, "raise --memory, or use a coarser resolution or a smaller max_range");
 }

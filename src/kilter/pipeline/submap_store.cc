@@ -62,7 +62,7 @@ bool SubmapStore::fits(std::size_t needed) const {
 Error SubmapStore::too_large(std::size_t needed) const {
   const auto megabytes = [](std::size_t bytes) { return static_cast<double>(bytes) / 1e6; };
   return {ErrorCode::kOutOfMemory,
-          fmt::format("submaps that must be in memory together need {:.1f} MB, more than --memory allows ({:.1f} MB)",
+          fmt::format("submaps that must be in memory together need {:.3g} MB, more than --memory allows ({:.3g} MB)",
                       megabytes(needed), megabytes(limits_.memory_bytes)),
           {},
           "raise --memory, or use a coarser resolution or a smaller max_range"};
