@@ -53,6 +53,9 @@ class SubmapPoses(unittest.TestCase):
         run, out = self.again(graph_of([pose_of(submap) for submap in right["submaps"]]), "--cuts", self.out)
         found = [p for p in read_result(out)["pairs"] if p["verdict"] == "inconsistent"]
         self.assertEqual(found, [], run.stdout)
+        self.assertNotIn("--poses", run.stderr)
+        mended, _ = self.again(graph_of([pose_of(submap) for submap in right["submaps"]]), "--cuts", truth)
+        self.assertIn(f"{truth} was made with --poses {self.tiny.truth}, and this is not", mended.stderr)
         self.assertGreater(self.first["system"]["inconsistent"], 0)
 
     def test_a_vertex_moves_its_submap_and_no_other(self):

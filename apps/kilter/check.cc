@@ -88,7 +88,7 @@ Expected<Job> open_job(const CheckCommand& command) {
   for (const RobotLog& robot : job.mission.robots) {
     if (auto usable = check_usable(robot); !usable) return pass_up(usable.error());
   }
-  Expected<Cuts> cuts = place_submaps(job.mission, command.cuts, command.submap_poses);
+  Expected<Cuts> cuts = place_submaps(job.mission, command.cuts, command.submap_poses, command.poses_folder);
   if (!cuts) return pass_up(cuts.error());
   job.cuts = *std::move(cuts);
   return job;
@@ -194,6 +194,7 @@ Expected<void> present(const CheckCommand& command, const Job& job, const Result
   options.papers_test = job.settings.check.judge.method == JudgeMethod::kGamma;
   options.colour = wants_colour(command.common.no_color);
   options.output_folder = command.output_folder;
+  options.poses = command.poses_folder;
   for (const SourceSummary& source : job.mission.sources) options.sources.push_back(describe(source));
   return print_out(summary(result, options));
 }
@@ -224,11 +225,11 @@ int run_check(const CheckCommand& command) {
   Expected<Job> job = open_job(command);
   if (!job) return print_error(job.error());
   const std::vector<std::filesystem::path> names = result_file_names(map_names(command, job->mission));
+  catch_stop_signals();
   if (auto fit = probe_output_folder(command.output_folder, names); !fit) return refuse_output(fit.error());
   if (auto fit = check_apart_from_clouds(command.output_folder, names, command.sources, job->mission); !fit) {
     return print_error(fit.error());
   }
-  catch_stop_signals();
   if (!command.common.quiet) print_notes_before(*job);
   const Expected<Result> result = run_job(command, *job);
   if (!result) return print_error(result.error());

@@ -27,6 +27,16 @@ Expected<Cuts> read_cuts_for(Mission& mission, const std::string& result) {
         fmt::format("cuts for {}, and none for the robots that there are: {}", some_of(known), some_of(unknown)),
         printable(result), "call robots as they were called there: NAME=PATH");
   }
+  for (const RobotLog& robot : mission.robots) {
+    const auto of_robot = cuts->find(robot.name);
+    if (of_robot == cuts->end() || robot.finished_submaps) continue;
+    const std::size_t covered = of_robot->second.back().last + 1;
+    if (covered == robot.T_world_cloud.size()) continue;
+    return fail(ErrorCode::kCountMismatch,
+                fmt::format("robot {} has {} scans there, but {} here", printable(robot.name), covered,
+                            robot.T_world_cloud.size()),
+                printable(result), "use --cuts with a result made from the same scans");
+  }
   if (!unknown.empty()) {
     mission.notes.push_back(fmt::format("{} has no cuts for {}, cut anew", printable(result), some_of(unknown)));
   }
@@ -34,7 +44,7 @@ Expected<Cuts> read_cuts_for(Mission& mission, const std::string& result) {
 }
 
 Expected<Cuts> place_submaps(Mission& mission, const std::optional<std::string>& cuts_result,
-                             const std::optional<std::string>& submap_poses) {
+                             const std::optional<std::string>& submap_poses, const std::optional<std::string>& poses) {
   Cuts cuts;
   const auto is_finished = [](const RobotLog& robot) { return robot.finished_submaps; };
   const bool all_finished = std::all_of(mission.robots.begin(), mission.robots.end(), is_finished);
@@ -46,6 +56,12 @@ Expected<Cuts> place_submaps(Mission& mission, const std::optional<std::string>&
     cuts = *std::move(known);
   }
   if (!submap_poses) return cuts;
+  if (const std::optional<std::string> there = cuts_result ? poses_of_result(*cuts_result) : std::nullopt;
+      there.has_value() != poses.has_value() && cuts_result && !all_finished) {
+    mission.notes.push_back(fmt::format("{} was made {}, and this is not: inside submaps, scans lie otherwise",
+                                        printable(*cuts_result),
+                                        there ? "with --poses " + printable(*there) : "without --poses"));
+  }
   if (auto moved = move_submaps(*submap_poses, cuts, mission.robots); !moved) return pass_up(moved.error());
   return cuts;
 }

@@ -17,7 +17,9 @@ namespace kilter::app {
 
 /// What check and submaps are told by --cuts and --submap-poses: reads the former, and moves the mission's submaps to
 /// where the latter has them. \return where to cut, empty without --cuts; or what either fails with.
+/// \param poses  what --poses says: a submap is moved with the poses that its scans had inside it
 [[nodiscard]] Expected<Cuts> place_submaps(Mission& mission, const std::optional<std::string>& cuts_result,
-                                           const std::optional<std::string>& submap_poses);
+                                           const std::optional<std::string>& submap_poses,
+                                           const std::optional<std::string>& poses);
 
 }  // namespace kilter::app

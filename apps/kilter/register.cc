@@ -180,6 +180,9 @@ int run_register(const RegisterCommand& command) {
       return exit_status_of_output(done.error().code);
     }
   }
+  if (command.aligned && !evidence.registration->converged()) {
+    print_note(fmt::format("{} is not written: the source was not brought onto the target", shown(*command.aligned)));
+  }
   const Expected<void> done = print_out(command.common.json ? as_json(evidence) : as_text(evidence));
   if (done) return kExitGood;
   print_error(done.error());

@@ -11,6 +11,7 @@
 #include <CLI/Formatter.hpp>
 #include <fmt/format.h>
 
+#include "apps/kilter/available_memory.h"
 #include "apps/kilter/commands.h"
 #include "apps/kilter/common_options.h"
 #include "apps/kilter/exit_status.h"
@@ -96,7 +97,7 @@ Done<Job> open_job(const SubmapsCommand& command) {
   for (const RobotLog& robot : job.mission.robots) {
     if (auto usable = check_usable(robot); !usable) return failed(usable.error());
   }
-  Expected<Cuts> cuts = place_submaps(job.mission, command.cuts, command.submap_poses);
+  Expected<Cuts> cuts = place_submaps(job.mission, command.cuts, command.submap_poses, command.poses_folder);
   if (!cuts) return failed(cuts.error());
   job.cuts = *std::move(cuts);
   if (auto fit = probe_output_folder(command.output_folder, {kPoseGraph}); !fit) return failed(fit.error(), true);
@@ -124,6 +125,7 @@ Expected<std::vector<Submap>> build(const Job& job, std::size_t number, const Su
   const RobotLog& robot = job.mission.robots[number];
   const std::string stage = "submaps of " + robot.name;
   RunContext run{command.common.jobs, &stop_flag(), {}};
+  run.memory_bytes = job.memory_bytes != 0 ? job.memory_bytes : available_memory().value_or(0) / 2;
   run.progress = [&](std::size_t done, std::size_t total) { progress.update(stage, done, total); };
   const auto cut = job.cuts.find(robot.name);
   const auto ranges = cut == job.cuts.end() ? std::nullopt : std::optional(cut->second);

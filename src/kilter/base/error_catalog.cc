@@ -30,10 +30,11 @@ constexpr std::array kCatalog = {
         ErrorCode::kTruncated, "truncated",
         "A file ends before the data that its header promises: usually an interrupted copy or a full disk while "
         "recording. Copy it again, or remove the scan and its pose. Exit status 3."},
-    CatalogEntry{ErrorCode::kCountMismatch, "count-mismatch",
-                 "There must be exactly one pose per scan, in scan order. Both counts and the first missing one are in "
-                 "the message. Cuts of `--cuts` must likewise be for all scans, and for robots of the same names. Exit "
-                 "status 3."},
+    CatalogEntry{
+        ErrorCode::kCountMismatch, "count-mismatch",
+        "There must be exactly one pose per scan, in scan order. Both counts and the first missing one are in "
+        "the message. Cuts of `--cuts` must likewise be for all scans, and for robots of the same names; and a "
+        "cloud must hold as many points as its header says. Exit status 3."},
     CatalogEntry{ErrorCode::kInvalidPose, "invalid-pose",
                  "A pose holds NaN or Inf, its quaternion is more than 1 % away from unit length, or its matrix is not "
                  "a rotation. Often columns are in another order (kilter reads x y z qx qy qz qw). Exit status 3."},
@@ -61,7 +62,8 @@ constexpr std::array kCatalog = {
     CatalogEntry{
         ErrorCode::kNoSpace, "no-space",
         "The disk that holds the output folder, or the temporary files of a run that --memory bounds, is full. Results "
-        "already there were not touched. Exit status 5."},
+        "already there were not touched; where standard output is what is full, they are there and whole. Exit status "
+        "5."},
     CatalogEntry{ErrorCode::kCancelled, "cancelled",
                  "The run was stopped by a signal; nothing was written. Exit status 129, 130 or 143."},
     CatalogEntry{ErrorCode::kInternal, "internal",

@@ -11,12 +11,13 @@
 
 namespace kilter {
 
-/// How a stage may run: its thread budget and a flag that asks it to stop.
+/// How a stage may run: its budgets and a flag that asks it to stop.
 struct RunContext {
   int threads = 1;                               ///< >= 1
   const std::atomic<bool>* cancelled = nullptr;  ///< may be null
   /// Told (done, total) from any thread, in no promised order; may be empty.
   std::function<void(std::size_t done, std::size_t total)> progress = {};
+  std::size_t memory_bytes = 0;  ///< what all that it keeps may take, and so also a single thing of it; 0 = no limit
 
   [[nodiscard]] bool stop_requested() const { return cancelled != nullptr && cancelled->load(); }
 };

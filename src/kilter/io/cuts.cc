@@ -6,6 +6,8 @@
 #include <nlohmann/json.hpp>
 
 #include <cstdint>
+#include <optional>
+#include <string>
 
 #include "kilter/io/file.h"
 #include "kilter/io/result_file.h"
@@ -32,7 +34,7 @@ Expected<json> parse_root(std::string_view text, const std::string& where) {
       return false;
     }
     const bool root_key = depth == 1 && event == json::parse_event_t::key;
-    return !root_key || value == "schema" || value == "submaps";
+    return !root_key || value == "schema" || value == "submaps" || value == "run";
   };
   try {
     json root = json::parse(text.begin(), text.end(), keep);
@@ -118,6 +120,18 @@ Expected<Cuts> parse_cuts(std::string_view json_text, const std::string& where) 
   }
   if (cuts.empty()) return fail(ErrorCode::kEmptyInput, "the result holds no submap", where);
   return cuts;
+}
+
+std::optional<std::string> poses_of_result(const std::filesystem::path& result) {
+  const auto file = find_result_file(result, "result.json", kTakes);
+  if (!file) return std::nullopt;
+  const auto bytes = read_file(*file);
+  if (!bytes) return std::nullopt;
+  const Expected<json> root = parse_root(bytes->view(), {});
+  const json* run = root ? find(*root, "run") : nullptr;
+  const json* poses = run != nullptr ? find(*run, "poses") : nullptr;
+  if (poses == nullptr || !poses->is_string()) return std::nullopt;
+  return poses->get<std::string>();
 }
 
 Expected<Cuts> read_cuts(const std::filesystem::path& result) {

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -26,5 +27,9 @@ using Cuts = std::map<std::string, std::vector<ScanRange>>;
 
 /// The same of a file, or of the result.json in an output folder. \return also what read_file fails with.
 [[nodiscard]] Expected<Cuts> read_cuts(const std::filesystem::path& result);
+
+/// The folder whose poses (`--poses`) such a result's map was drawn with; absent where it had the mission's own, or
+/// where it cannot be read.
+[[nodiscard]] std::optional<std::string> poses_of_result(const std::filesystem::path& result);
 
 }  // namespace kilter

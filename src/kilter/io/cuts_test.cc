@@ -114,5 +114,17 @@ TEST(ReadCuts, SaysWhatItTakesWhereThereIsNoResult) {
   EXPECT_THAT(read_cuts(folder.path()).error().message, testing::HasSubstr("found no result.json in it"));
 }
 
+TEST(PosesOfResult, TellsWithWhichPosesTheMapWasDrawn) {
+  const TempFolder folder;
+  const auto with = [&](const std::string& run) {
+    return poses_of_result(folder.write("out/result.json", R"({"schema": "kilter.result/1", "run": )" + run + "}"));
+  };
+  EXPECT_EQ(with(R"({"poses": "truth", "jobs": 2})"), "truth");
+  EXPECT_EQ(with(R"({"poses": null})"), std::nullopt);
+  EXPECT_EQ(with("[3]"), std::nullopt);
+  EXPECT_EQ(with("{"), std::nullopt);
+  EXPECT_EQ(poses_of_result(folder.path() / "none"), std::nullopt);
+}
+
 }  // namespace
 }  // namespace kilter

@@ -60,11 +60,15 @@ void BlockStore::apply(const Eigen::Vector3i& at, Marks marks) {
   Block& block = blocks_[number];
   if (!block.surface) {
     if (can_count_ && !has_hit(marks)) {
-      if (!block.misses) block.misses = std::make_unique<MissBlock>();
+      if (!block.misses) {
+        block.misses = std::make_unique<MissBlock>();
+        held_bytes_ += sizeof(MissBlock);
+      }
       count_misses(*block.misses, marks);
       return;
     }
     block.surface = block.misses ? surface_of(*block.misses) : std::make_unique<SurfaceBlock>();
+    held_bytes_ += sizeof(SurfaceBlock) - (block.misses ? sizeof(MissBlock) : 0);
     block.misses.reset();
   }
   update(*block.surface, marks);

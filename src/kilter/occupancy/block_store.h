@@ -46,6 +46,8 @@ class BlockStore {
   /// Adds one scan's marks (ScanMarks) of a block.
   void apply(const Eigen::Vector3i& at, Marks marks);
 
+  [[nodiscard]] std::size_t held_bytes() const { return held_bytes_; }
+
   /// All blocks sorted by key, as VoxelMap has them, and the occupied voxels' log-odds. The store is empty afterwards.
   struct Finished {
     std::vector<VoxelBlock> blocks;
@@ -74,6 +76,7 @@ class BlockStore {
   std::vector<float> after_misses_;  // log-odds after so many misses and nothing else
   bool can_count_ = false;           // whether a byte can count them
   KeyNumbers numbers_;
+  std::size_t held_bytes_ = 0;
   std::vector<Block> blocks_;  // by number
 };
 

@@ -14,6 +14,9 @@
 namespace kilter {
 namespace {
 
+// Rays that are traced between two questions whether to go on pass at most so many: some hundredths of a second, and a
+// few hundred megabytes if no two of them share a block.
+constexpr double kVoxelsBetweenQuestions = 6e6;
 constexpr std::uint32_t kNoOrigin = std::numeric_limits<std::uint32_t>::max();
 
 bool on_lattice(const Eigen::Vector3d& point_m, double resolution_m) {
@@ -27,10 +30,11 @@ MapBuilder::MapBuilder(const OccupancyOptions& options) : MapBuilder(options, ve
 MapBuilder::MapBuilder(const OccupancyOptions& options, VectorPath path)
     : options_(options), trace_(trace_rays_with(path)), blocks_(LogOddsModel(options)) {}
 
-void MapBuilder::insert_scan(std::span<const Eigen::Vector3d> points_m, const Eigen::Vector3d& origin_m) {
+bool MapBuilder::insert_scan(std::span<const Eigen::Vector3d> points_m, const Eigen::Vector3d& origin_m,
+                             const KeepGoing& keep_going) {
   if (!on_lattice(origin_m, options_.resolution_m)) {
     points_off_lattice_ += points_m.size();
-    return;
+    return true;
   }
   has_free_space_ = true;
   const std::size_t first_hit = hits_.size();
@@ -41,9 +45,34 @@ void MapBuilder::insert_scan(std::span<const Eigen::Vector3d> points_m, const Ei
   for (std::size_t i = 0; i < ends_m_.count; ++i)
     box_m.extend(Eigen::Vector3f(ends_m_.x[i], ends_m_.y[i], ends_m_.z[i]));
   open_window(box_m);
-  (marks_.is_dense() ? trace_ : trace_rays_one_by_one)(from_m, ends_m_, options_.resolution_m, marks_);
+  if (!trace(from_m, keep_going)) return false;
   mark_hits(first_hit);
   apply_marks();
+  return true;
+}
+
+// What is marked is copied into blocks before it is forgotten.
+std::size_t MapBuilder::held_bytes() const {
+  return blocks_.held_bytes() + 2 * marks_.held_bytes() + hits_.size() * sizeof(Hit);
+}
+
+// A scan's rays, some at a time if somebody asks: marks do not depend on what is traced together.
+bool MapBuilder::trace(const Eigen::Vector3f& from_m, const KeepGoing& keep_going) {
+  const TraceRays mark = marks_.is_dense() ? trace_ : trace_rays_one_by_one;
+  const double voxels_a_ray = 3.0 * options_.max_range_m / options_.resolution_m;
+  const auto at_once = static_cast<std::size_t>(std::clamp(kVoxelsBetweenQuestions / voxels_a_ray, 16.0, 1e6));
+  if (!keep_going || ends_m_.count <= at_once) {
+    mark(from_m, ends_m_, options_.resolution_m, marks_);
+    return !keep_going || keep_going(held_bytes());
+  }
+  for (std::size_t first = 0; first < ends_m_.count; first += at_once) {
+    const std::size_t last = std::min(first + at_once, ends_m_.count);
+    some_ends_m_.clear_for(last - first);
+    for (std::size_t i = first; i < last; ++i) some_ends_m_.add({ends_m_.x[i], ends_m_.y[i], ends_m_.z[i]});
+    mark(from_m, some_ends_m_, options_.resolution_m, marks_);
+    if (!keep_going(held_bytes())) return false;
+  }
+  return true;
 }
 
 void MapBuilder::insert_points(std::span<const Eigen::Vector3d> points_m) {

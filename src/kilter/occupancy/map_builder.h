@@ -6,6 +6,7 @@
 #include <Eigen/Geometry>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -23,13 +24,18 @@ namespace kilter {
 /// its rounding (points, origins and directions are floats), its traversal, its clamping. Not thread-safe.
 class MapBuilder {
  public:
+  /// Asked now and then while rays are traced, with what the builder holds; false ends it.
+  using KeepGoing = std::function<bool(std::size_t held_bytes)>;
+
   explicit MapBuilder(const OccupancyOptions& options);
   /// With the instructions of a narrower path than the processor's widest; the map is the same.
   MapBuilder(const OccupancyOptions& options, VectorPath path);
 
   /// Adds one scan. Both in the map's frame, rounded to float. [m] A point at the origin is no return. What lies off
   /// the lattice is left out and counted; all of a scan whose origin does. O(points * range / resolution).
-  void insert_scan(std::span<const Eigen::Vector3d> points_m, const Eigen::Vector3d& origin_m);
+  /// \return false if `keep_going` said so: the scan is then in it in part, and the builder good for nothing.
+  bool insert_scan(std::span<const Eigen::Vector3d> points_m, const Eigen::Vector3d& origin_m,
+                   const KeepGoing& keep_going = {});
 
   /// Adds points without a sensor origin: one hit for each voxel, nothing becomes free. What lies off
   /// the lattice is left out and counted.
@@ -48,6 +54,8 @@ class MapBuilder {
   };
 
   void take_returns(std::span<const Eigen::Vector3d> points_m, const Eigen::Vector3f& origin_m);
+  [[nodiscard]] std::size_t held_bytes() const;
+  [[nodiscard]] bool trace(const Eigen::Vector3f& from_m, const KeepGoing& keep_going);
   void open_window(const Eigen::AlignedBox3f& box_m);
   void mark_hits(std::size_t first);
   void apply_marks();
@@ -60,6 +68,7 @@ class MapBuilder {
   ScanMarks marks_;
   BlockStore blocks_;
   RayEnds ends_m_;
+  RayEnds some_ends_m_;
   std::vector<Hit> hits_;
   std::vector<Eigen::Vector3f> origins_m_;
 };

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "kilter/occupancy/map_builder.h"
 
+#include <algorithm>
+
 #include <gtest/gtest.h>
 
 #include "kilter/base/rng.h"
@@ -107,6 +109,34 @@ TEST(MapBuilder, IgnoresWhatLiesOffTheLattice) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   builder.insert_scan(std::vector<Eigen::Vector3d>{{nan, 0.0, 0.0}, {1e30, 0.0, 0.0}, {0.05, 0.05, 0.05}}, kOrigin);
   EXPECT_EQ(builder.finish().voxels().size(), 0U);
+}
+
+TEST(MapBuilder, AskingWhetherToGoOnChangesNothingAndANoEndsTheScan) {
+  const OccupancyOptions options = {.resolution_m = 0.1, .min_range_m = 0.0, .max_range_m = 3000.0};
+  Rng rng(8, 0);
+  std::vector<Eigen::Vector3d> points;
+  for (int i = 0; i < 1000; ++i) points.emplace_back(rng.uniform(-9, 9), rng.uniform(-9, 9), rng.uniform(-9, 9));
+  MapBuilder alone(options);
+  EXPECT_TRUE(alone.insert_scan(points, kOrigin));
+  MapBuilder asked(options);
+  std::vector<std::size_t> held_bytes;
+  EXPECT_TRUE(asked.insert_scan(points, kOrigin, [&](std::size_t bytes) {
+    held_bytes.push_back(bytes);
+    return true;
+  }));
+  EXPECT_GT(held_bytes.size(), 10U) << "long rays are many voxels, so few are traced at once";
+  EXPECT_TRUE(std::is_sorted(held_bytes.begin(), held_bytes.end()));
+  EXPECT_GT(held_bytes.back(), held_bytes.front());
+  const VoxelMap map = alone.finish();
+  const VoxelMap same = asked.finish();
+  EXPECT_EQ(map.indices(), same.indices());
+  EXPECT_EQ(map.voxels().centroids_m, same.voxels().centroids_m);
+  ASSERT_EQ(map.blocks().size(), same.blocks().size());
+  for (std::size_t i = 0; i < map.blocks().size(); ++i) EXPECT_EQ(map.blocks()[i].free, same.blocks()[i].free);
+  int questions = 0;
+  MapBuilder stopped(options);
+  EXPECT_FALSE(stopped.insert_scan(points, kOrigin, [&](std::size_t) { return ++questions < 3; }));
+  EXPECT_EQ(questions, 3);
 }
 
 }  // namespace

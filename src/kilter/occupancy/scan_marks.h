@@ -72,6 +72,9 @@ class ScanMarks {
   /// Gives a block of the table its bytes; moves bytes(), not table().
   std::uint32_t open(std::uint64_t block);
 
+  /// What the marks since begin() take.
+  [[nodiscard]] std::size_t held_bytes() const { return opened_.size() * (kBlockVoxels + sizeof(std::uint64_t)); }
+
   /// Calls visit(block coordinates, its kBlockVoxels marks) for every block that was opened, in the order of opening,
   /// and forgets all marks.
   template <typename Visit>

@@ -35,7 +35,7 @@ class Stopwatch {
 };
 
 RunContext stage_context(const CheckRun& run, std::string_view stage) {
-  RunContext context{run.threads, run.cancelled, {}};
+  RunContext context{run.threads, run.cancelled, {}, run.memory_bytes};
   if (run.progress) {
     context.progress = [&run, stage](std::size_t done, std::size_t total) { run.progress(stage, done, total); };
   }

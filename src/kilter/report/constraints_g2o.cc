@@ -83,7 +83,7 @@ std::string constraints_g2o(const Result& result, G2oDialect dialect) {
       text += "# information as GTSAM reads it: (x y z rx ry rz) in the source's frame, rotation vectors\n";
       break;
     case G2oDialect::kCeres:
-      text += "# information as Ceres' pose_graph_3d reads it: (x y z rx ry rz) along the target's axes\n";
+      text += "# information as Ceres' pose_graph_3d reads it: (x y z -rx -ry -rz) along the target's axes\n";
       break;
   }
   text += submaps_g2o(result.submaps);

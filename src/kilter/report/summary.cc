@@ -140,11 +140,15 @@ void add_reasons(Lines& lines, const Result& result) {
   }
   std::vector<std::pair<std::string, int>> reasons(counts.begin(), counts.end());
   std::stable_sort(reasons.begin(), reasons.end(), [](const auto& a, const auto& b) { return a.second > b.second; });
-  if (reasons.size() > 3) reasons.resize(3);
+  constexpr std::size_t kShown = 3;
+  int others = 0;
+  for (std::size_t i = kShown; i < reasons.size(); ++i) others += reasons[i].second;
+  if (reasons.size() > kShown) reasons.resize(kShown);
   std::string_view label = "Unverified";
   for (const auto& [reason, count] : reasons) {
     add_labelled(lines, std::exchange(label, ""), fmt::format("{} x {}", count, printable(reason, 300)), 1);
   }
+  if (others > 0) add_labelled(lines, "", fmt::format("{} x for other reasons", others), 1);
 }
 
 // Robots a, b that not one listed pair joins.
@@ -250,7 +254,7 @@ void add_worst(Lines& lines, const Result& result, const SummaryOptions& options
 }
 
 // Of the inconsistent pairs, those that gave a constraint.
-std::string how_to_mend(const Result& result, const std::string& folder) {
+std::string how_to_mend(const Result& result, const SummaryOptions& options, const std::string& folder) {
   std::size_t constraints = 0;
   for (const PairResult& pair : result.pairs) {
     constraints += pair.verdict.verdict == Verdict::kInconsistent && pair.trusted ? 1 : 0;
@@ -268,7 +272,9 @@ std::string how_to_mend(const Result& result, const std::string& folder) {
                                    [](const SubmapSummary& submap) { return submap.scans.has_value(); });
   return fmt::format(
       "give {0}/constraints.g2o{1} to the optimiser, then check the same again with --submap-poses NEW.g2o{2}", folder,
-      few, are_cut ? " --cuts " + folder : std::string());
+      few,
+      (are_cut ? " --cuts " + folder : std::string()) +
+          (options.poses ? " --poses " + printable(*options.poses, 60) : std::string()));
 }
 
 // Robots whose scans leave no surface to any submap.
@@ -291,11 +297,17 @@ std::string next_step(const Result& result, const SummaryOptions& options, bool 
       if (options.papers_test) return "the paper's test compares pairs with each other, not with a length in metres";
       return fmt::format("nothing to mend above {:.2f} m; a smaller tolerance asks for more", options.tolerance_m);
     case MapState::kInconsistent:
-      return how_to_mend(result, folder);
+      return how_to_mend(result, options, folder);
     case MapState::kUndetermined:
       if (const std::vector<std::string> without = robots_without_surface(result); !without.empty()) {
         return fmt::format("widen min_range and max_range: they leave no surface to any submap of {}",
                            fmt::join(without, ", "));
+      }
+      if (result.pairs.empty() && result.too_little_overlap > 0) {
+        return fmt::format(
+            "{} pairs are near enough to show the same place, but share less than overlap_min and matched_min ask for: "
+            "lower these, or take finer voxels (resolution)",
+            result.too_little_overlap);
       }
       if (result.pairs.empty()) return "a map can only be compared with itself where it shows a place twice";
       return some_never_meet ? "send robots that never meet through a place that both see, or check them one by one"

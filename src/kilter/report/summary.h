@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,7 @@ struct SummaryOptions {
   bool colour = false;                       ///< ANSI colours; nothing is said by colour alone
   std::vector<std::string> sources;          ///< what was recognised, e.g. "GLIM dump, 214 submaps, 1 robot"
   std::string output_folder = "kilter-out";  ///< where the files are, for what to do next
+  std::optional<std::string> poses;          ///< --poses, which what is done next needs as well
 };
 
 inline constexpr int kSummaryLines = 25;     ///< at most

@@ -130,6 +130,41 @@ TEST(Summary, AdvisesTheOptimiserOnlyIfThereIsAConstraintToGiveIt) {
   EXPECT_THAT(summary(result), HasSubstr("Next        no correction of a pair that disagrees can be believed"));
 }
 
+TEST(Summary, TheAdviceNamesThePosesThatItNeedsAgain) {
+  Result result = testing::small_result();
+  for (PairResult& pair : result.pairs) pair.trusted = true;
+  SummaryOptions options;
+  EXPECT_THAT(summary(result, options), Not(HasSubstr("--poses")));
+  options.poses = "better";
+  EXPECT_THAT(summary(result, options), HasSubstr("--poses better"));
+}
+
+TEST(Summary, GatesThatLeaveNoPairAreNamed) {
+  Result result = testing::small_result();
+  result.pairs.clear();
+  result.system.state = MapState::kUndetermined;
+  result.too_little_overlap = 0;
+  EXPECT_THAT(summary(result), HasSubstr("where it shows a place twice"));
+  result.too_little_overlap = 7;
+  EXPECT_THAT(summary(result), HasSubstr("7 pairs are near enough to show the same place"));
+}
+
+TEST(Summary, ReasonsBeyondTheThirdAreCounted) {
+  Result result = testing::small_result();
+  const PairResult like = result.pairs[0];
+  const auto with = [&](const std::vector<std::string>& reasons) {
+    result.pairs.clear();
+    for (const std::string& reason : reasons) {
+      result.pairs.push_back(like);
+      result.pairs.back().verdict.verdict = Verdict::kUnverified;
+      result.pairs.back().verdict.reason = reason;
+    }
+    return summary(result);
+  };
+  EXPECT_THAT(with({"too bent", "too far", "too near"}), Not(HasSubstr("for other reasons")));
+  EXPECT_THAT(with({"too bent", "too far", "too near", "too dark", "too loud"}), HasSubstr("2 x for other reasons"));
+}
+
 TEST(Summary, ThePapersTestKnowsNoTolerance) {
   Result result = testing::small_result();
   result.system.state = MapState::kConsistent;

@@ -4,10 +4,16 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <string>
+#include <utility>
+
 #include "kilter/occupancy/map_builder.h"
 
 namespace kilter {
 namespace {
+
+tl::unexpected<Error> stopped() { return fail(ErrorCode::kCancelled, "stopped while building submaps"); }
 
 Expected<void> check_cuts(const RobotLog& log, const std::vector<ScanRange>& cuts) {
   std::size_t next = 0;
@@ -38,8 +44,18 @@ Pose3 pose_in_submap(const RobotLog& log, std::size_t first, std::size_t scan) {
   return scan == first ? Pose3() : log.T_world_cloud[first].inverse() * log.T_world_cloud[scan];
 }
 
-Expected<void> integrate(const RobotLog& log, std::size_t scan, const Pose3& T_submap_scan, MapBuilder& builder,
-                         Submap& submap) {
+// A map that grows holds more than a finished one, and budgets below this are about what is kept.
+constexpr std::size_t kLeastWhileGrowing = std::size_t{256} << 20;
+
+Error too_large(std::size_t held_bytes, std::size_t limit_bytes, std::string where) {
+  return {ErrorCode::kOutOfMemory,
+          fmt::format("the map that this scan goes into takes {:.0f} MB while it is made, and may take {:.0f} MB",
+                      static_cast<double>(held_bytes) / 1e6, static_cast<double>(limit_bytes) / 1e6),
+          std::move(where), "raise --memory, or use a coarser resolution or a smaller max_range"};
+}
+
+Expected<void> integrate(const RobotLog& log, std::size_t scan, const Pose3& T_submap_scan, const RunContext& run,
+                         MapBuilder& builder, Submap& submap) {
   Expected<PointCloud> cloud = log.read_cloud(scan);
   if (!cloud) return pass_up(cloud.error());
   submap.dropped_points += cloud->dropped_nonfinite + cloud->dropped_far;
@@ -50,7 +66,14 @@ Expected<void> integrate(const RobotLog& log, std::size_t scan, const Pose3& T_s
   if (log.finished_submaps) {
     builder.insert_points(points_m);
   } else {
-    builder.insert_scan(points_m, T_submap_scan.translation_m());
+    const std::size_t limit_bytes = std::max(run.memory_bytes, kLeastWhileGrowing);
+    std::size_t held_bytes = 0;
+    const bool done = builder.insert_scan(points_m, T_submap_scan.translation_m(), [&](std::size_t bytes) {
+      held_bytes = bytes;
+      return !run.stop_requested() && (run.memory_bytes == 0 || bytes <= limit_bytes);
+    });
+    if (run.stop_requested()) return stopped();
+    if (!done) return pass_up(too_large(held_bytes, limit_bytes, log.cloud_name(scan)));
     submap.origins_m.push_back(T_submap_scan.translation_m());
   }
   return {};
@@ -69,8 +92,8 @@ Expected<VoxelMap> map_of_clouds(const RobotLog& log, const ScanRange& range, co
                                  const RunContext& run, Submap& submap) {
   MapBuilder builder(options);
   for (std::size_t scan = range.first; scan <= range.last; ++scan) {
-    if (run.stop_requested()) return fail(ErrorCode::kCancelled, "stopped while building submaps");
-    const Expected<void> done = integrate(log, scan, pose_in_submap(log, range.first, scan), builder, submap);
+    if (run.stop_requested()) return stopped();
+    const Expected<void> done = integrate(log, scan, pose_in_submap(log, range.first, scan), run, builder, submap);
     if (!done) return pass_up(done.error());
   }
   submap.dropped_points += builder.points_off_lattice();
@@ -126,7 +149,7 @@ Expected<std::vector<Submap>> build_submaps(const RobotLog& log, int robot_numbe
                                             const RunContext& run, const std::optional<std::vector<ScanRange>>& cuts) {
   const Expected<std::vector<SubmapNode>> plan = plan_submaps(log, robot_number, options.cutting, cuts);
   if (!plan) return pass_up(plan.error());
-  std::vector<Expected<Submap>> built(plan->size(), fail(ErrorCode::kCancelled, "stopped while building submaps"));
+  std::vector<Expected<Submap>> built(plan->size(), stopped());
   parallel_for(plan->size(), run,
                [&](std::size_t i) { built[i] = build_submap(log, (*plan)[i], options.occupancy, run); });
   std::vector<Submap> submaps;

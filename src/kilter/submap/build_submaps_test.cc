@@ -2,7 +2,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "kilter/submap/build_submaps.h"
 
+#include <atomic>
+
 #include <gtest/gtest.h>
+
+#include "kilter/base/rng.h"
 
 namespace kilter {
 namespace {
@@ -92,6 +96,45 @@ TEST(BuildSubmaps, ReadingErrorsAndCancellationComeBack) {
   EXPECT_EQ(build_submaps(log, 0, {}, {}).error().message, "broken");
   const std::atomic<bool> cancelled = true;
   EXPECT_EQ(build_submaps(wall_log(12), 0, {}, {.cancelled = &cancelled}).error().code, ErrorCode::kCancelled);
+}
+
+// A scan whose rays go 90 m into all directions of space.
+RobotLog scattered_log() {
+  RobotLog log = wall_log(2);
+  log.read_cloud = [](std::size_t) -> Expected<PointCloud> {
+    Rng rng(5, 0);
+    PointCloud cloud;
+    for (int k = 0; k < 30'000; ++k) {
+      const Eigen::Vector3d at_m = 90.0 * Eigen::Vector3d(rng.normal(), rng.normal(), rng.normal()).normalized();
+      cloud.add(static_cast<float>(at_m.x()), static_cast<float>(at_m.y()), static_cast<float>(at_m.z()));
+    }
+    return cloud;
+  };
+  return log;
+}
+
+TEST(BuildSubmaps, AMapThatOutgrowsTheBudgetWhileItIsMadeEndsTheRunAtItsScan) {
+  SubmapOptions options;
+  options.occupancy.max_range_m = 100.0;
+  const auto submaps = build_submaps(scattered_log(), 0, options, {.memory_bytes = 1'000'000});
+  ASSERT_FALSE(submaps);
+  EXPECT_EQ(submaps.error().code, ErrorCode::kOutOfMemory);
+  EXPECT_EQ(submaps.error().where, "0");
+  EXPECT_NE(submaps.error().message.find("may take 268 MB"), std::string::npos) << submaps.error().message;
+}
+
+TEST(BuildSubmaps, AStopIsHeardInTheMiddleOfAScan) {
+  std::atomic<bool> stop = false;
+  RobotLog log = scattered_log();
+  log.read_cloud = [&stop, read = log.read_cloud](std::size_t scan) {
+    stop = true;
+    return read(scan);
+  };
+  SubmapOptions options;
+  options.occupancy.max_range_m = 100.0;
+  const auto submaps = build_submaps(log, 0, options, {.cancelled = &stop});
+  ASSERT_FALSE(submaps);
+  EXPECT_EQ(submaps.error().code, ErrorCode::kCancelled);
 }
 
 }  // namespace
