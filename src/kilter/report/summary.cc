@@ -132,7 +132,8 @@ std::string cause_of(std::string_view reason) {
   return cause;
 }
 
-// The three commonest reasons for saying neither, the commonest first.
+// The reasons for saying neither, the commonest first; what finds no room is counted together.
+constexpr std::size_t kReasonLines = 3;
 void add_reasons(Lines& lines, const Result& result) {
   std::map<std::string, int> counts;
   for (const PairResult& pair : result.pairs) {
@@ -140,10 +141,10 @@ void add_reasons(Lines& lines, const Result& result) {
   }
   std::vector<std::pair<std::string, int>> reasons(counts.begin(), counts.end());
   std::stable_sort(reasons.begin(), reasons.end(), [](const auto& a, const auto& b) { return a.second > b.second; });
-  constexpr std::size_t kShown = 3;
+  const std::size_t shown = reasons.size() > kReasonLines ? kReasonLines - 1 : reasons.size();
   int others = 0;
-  for (std::size_t i = kShown; i < reasons.size(); ++i) others += reasons[i].second;
-  if (reasons.size() > kShown) reasons.resize(kShown);
+  for (std::size_t i = shown; i < reasons.size(); ++i) others += reasons[i].second;
+  reasons.resize(shown);
   std::string_view label = "Unverified";
   for (const auto& [reason, count] : reasons) {
     add_labelled(lines, std::exchange(label, ""), fmt::format("{} x {}", count, printable(reason, 300)), 1);
