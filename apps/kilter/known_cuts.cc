@@ -3,6 +3,7 @@
 #include "apps/kilter/known_cuts.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <vector>
 
 #include <fmt/format.h>
@@ -43,6 +44,17 @@ Expected<Cuts> read_cuts_for(Mission& mission, const std::string& result) {
   return cuts;
 }
 
+namespace {
+
+// Where both name a folder that is there, by what the names lead to.
+bool same_poses(const std::optional<std::string>& a, const std::optional<std::string>& b) {
+  if (!a || !b) return a.has_value() == b.has_value();
+  std::error_code error;
+  return *a == *b || std::filesystem::equivalent(*a, *b, error);
+}
+
+}  // namespace
+
 Expected<Cuts> place_submaps(Mission& mission, const std::optional<std::string>& cuts_result,
                              const std::optional<std::string>& submap_poses, const std::optional<std::string>& poses) {
   Cuts cuts;
@@ -56,8 +68,8 @@ Expected<Cuts> place_submaps(Mission& mission, const std::optional<std::string>&
     cuts = *std::move(known);
   }
   if (!submap_poses) return cuts;
-  if (const std::optional<std::string> there = cuts_result ? poses_of_result(*cuts_result) : std::nullopt;
-      there.has_value() != poses.has_value() && cuts_result && !all_finished) {
+  if (cuts_result && !all_finished && !same_poses(poses_of_result(*cuts_result), poses)) {
+    const std::optional<std::string> there = poses_of_result(*cuts_result);
     mission.notes.push_back(fmt::format("{} was made {}, and this is not: inside submaps, scans lie otherwise",
                                         printable(*cuts_result),
                                         there ? "with --poses " + printable(*there) : "without --poses"));

@@ -54,6 +54,7 @@ struct Job {
   Mission mission;
   Cuts cuts;
   std::size_t memory_bytes = 0;
+  std::size_t growing_bytes = 0;  // what maps are held against while they are made
 };
 
 struct WrittenRobot {
@@ -85,6 +86,7 @@ Done<Job> open_job(const SubmapsCommand& command) {
   const Expected<std::size_t> memory = parse_memory(command.common.memory);
   if (!memory) return failed(memory.error());
   job.memory_bytes = *memory;
+  job.growing_bytes = *memory != 0 ? *memory : available_memory().value_or(0) / 2;
   Expected<Settings> settings = read_settings(command.common);
   if (!settings) return failed(settings.error());
   job.settings = *std::move(settings);
@@ -125,7 +127,7 @@ Expected<std::vector<Submap>> build(const Job& job, std::size_t number, const Su
   const RobotLog& robot = job.mission.robots[number];
   const std::string stage = "submaps of " + robot.name;
   RunContext run{command.common.jobs, &stop_flag(), {}};
-  run.memory_bytes = job.memory_bytes != 0 ? job.memory_bytes : available_memory().value_or(0) / 2;
+  run.memory_bytes = job.growing_bytes;
   run.progress = [&](std::size_t done, std::size_t total) { progress.update(stage, done, total); };
   const auto cut = job.cuts.find(robot.name);
   const auto ranges = cut == job.cuts.end() ? std::nullopt : std::optional(cut->second);

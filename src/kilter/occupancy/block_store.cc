@@ -114,6 +114,7 @@ void BlockStore::finish_block(const Block& block, VoxelBlock& out, std::vector<f
 }
 
 BlockStore::Finished BlockStore::finish() {
+  held_bytes_ = 0;
   std::vector<std::uint32_t> order(blocks_.size());
   std::iota(order.begin(), order.end(), 0U);
   const std::vector<std::uint64_t>& keys = numbers_.keys();

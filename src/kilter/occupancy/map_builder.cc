@@ -17,6 +17,8 @@ namespace {
 // Rays that are traced between two questions whether to go on pass at most so many: some hundredths of a second, and a
 // few hundred megabytes if no two of them share a block.
 constexpr double kVoxelsBetweenQuestions = 6e6;
+// Of one scan: places in its marks are 32 bits.
+constexpr std::size_t kMostMarkBytes = std::size_t{3} << 30;
 constexpr std::uint32_t kNoOrigin = std::numeric_limits<std::uint32_t>::max();
 
 bool on_lattice(const Eigen::Vector3d& point_m, double resolution_m) {
@@ -70,7 +72,7 @@ bool MapBuilder::trace(const Eigen::Vector3f& from_m, const KeepGoing& keep_goin
     some_ends_m_.clear_for(last - first);
     for (std::size_t i = first; i < last; ++i) some_ends_m_.add({ends_m_.x[i], ends_m_.y[i], ends_m_.z[i]});
     mark(from_m, some_ends_m_, options_.resolution_m, marks_);
-    if (!keep_going(held_bytes())) return false;
+    if (!keep_going(held_bytes()) || marks_.held_bytes() > kMostMarkBytes) return false;
   }
   return true;
 }

@@ -148,17 +148,19 @@ std::vector<JudgedPair> judge_all(const std::vector<PairMeasurement>& measured, 
 
 // Covariances come from one pair each, and know nothing of what bends a submap from pair to pair; closed cycles do.
 // What nothing fixes keeps the prior's variance, and a bend beyond the tolerance has its own.
-CycleClosure widen_covariances(const std::vector<PairMeasurement>& measured, std::vector<PairResult>& pairs) {
+CycleClosure widen_covariances(const std::vector<PairMeasurement>& measured, const JudgeOptions& options,
+                               std::vector<PairResult>& pairs) {
+  const auto rigid = [&](std::size_t i) { return is_rigid(*measured[i].evidence.registration, options); };
   std::vector<RelativePose> poses;
-  for (const PairResult& pair : pairs) {
-    if (pair.trusted && pair.verdict.rigid && pair.verdict.unobservable.empty())
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    const PairResult& pair = pairs[i];
+    if (pair.trusted && rigid(i) && pair.verdict.unobservable.empty())
       poses.push_back({pair.id, *pair.T_target_source_registered, *pair.covariance});
   }
   const CycleClosure closure = close_cycles(poses);
   for (std::size_t i = 0; i < pairs.size() && closure.covariance_scale > 1.0; ++i) {
     if (!pairs[i].covariance) continue;
-    pairs[i].covariance =
-        constraint_covariance(*measured[i].evidence.registration, pairs[i].verdict.rigid, closure.covariance_scale);
+    pairs[i].covariance = constraint_covariance(*measured[i].evidence.registration, rigid(i), closure.covariance_scale);
   }
   return closure;
 }
@@ -243,7 +245,7 @@ Expected<Result> check(const std::vector<RobotLog>& robots, const CheckOptions& 
   result.pairs.reserve(measured.size());
   for (std::size_t i = 0; i < measured.size(); ++i)
     result.pairs.push_back(pair_result(measured[i], judged[i].verdict, options));
-  result.cycles = widen_covariances(measured, result.pairs);
+  result.cycles = widen_covariances(measured, options.judge, result.pairs);
   summarise(robots, submaps, result);
   if (run.fuse_maps) {
     const Stopwatch watch(result.seconds["maps"]);

@@ -248,6 +248,10 @@ PairEvidence register_again(const PlacedPair& maps, const PairMeasurement& befor
   return evidence;
 }
 
+bool is_rigid(const RegistrationResult& registration, const JudgeOptions& options) {
+  return registration.bend.rms_m <= options.tolerance_m;
+}
+
 PairResult pair_result(const PairMeasurement& measurement, const PairVerdict& verdict, const CheckOptions& options) {
   const PairEvidence& evidence = measurement.evidence;
   PairResult result;
@@ -265,7 +269,8 @@ PairResult pair_result(const PairMeasurement& measurement, const PairVerdict& ve
     result.registered_score = evidence.registered->score;
     result.registered_histogram = evidence.registered->histogram;
     result.T_target_source_registered = evidence.registration->T_target_source;
-    result.covariance = constraint_covariance(*evidence.registration, verdict.rigid, 1.0);
+    result.covariance =
+        constraint_covariance(*evidence.registration, is_rigid(*evidence.registration, options.judge), 1.0);
     result.trusted = verdict.verdict != Verdict::kUnverified && !verdict.without_registration;
   }
   const auto gamma_of = [](const std::optional<PairScore>& score) {

@@ -13,8 +13,6 @@ namespace {
 using testing::pair_moved;
 
 PairResult result_of(PairEvidence evidence) {
-  evidence.registration->covariance =
-      constraint_covariance(*evidence.registration, true, 1.0);  // as describe_uncertainty leaves it
   std::vector<JudgedPair> judged = {testing::judged(evidence)};
   (void)judge_map(judged, testing::kRobots, {});
   PairMeasurement measurement;
@@ -36,6 +34,17 @@ TEST(PairResult, ABentPairIsHandedOnWithItsBendInTheCovariance) {
   const PairResult result = result_of(pair);
   EXPECT_EQ(result.verdict.verdict, Verdict::kInconsistent);
   EXPECT_TRUE(result.trusted) << result.verdict.reason;
+  EXPECT_GT((*result.covariance)(0, 0), 0.3 * 0.3 / 6.0);
+}
+
+TEST(PairResult, TheBendIsInTheCovarianceWhateverTheJudgeSaysOfIt) {
+  PairMeasurement measurement;
+  measurement.evidence = pair_moved(0.4, 0.01);
+  measurement.evidence.registration->bend = {0.3, 1e-4, BendKind::kSource, 4};
+  PairVerdict by_gamma;  // which asks for no bend
+  by_gamma.verdict = Verdict::kInconsistent;
+  const PairResult result = pair_result(measurement, by_gamma, {});
+  EXPECT_TRUE(result.trusted);
   EXPECT_GT((*result.covariance)(0, 0), 0.3 * 0.3 / 6.0);
 }
 

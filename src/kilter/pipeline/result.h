@@ -50,7 +50,7 @@ struct PairResult {
   Pose3 T_target_source;  ///< as the map has it
   std::optional<Pose3> T_target_source_registered;
   std::optional<Matrix6> covariance;  ///< xi = (x y z rx ry rz) in the source's frame
-  bool trusted = false;               ///< registration converged and pair not unverified: goes to g2o
+  bool trusted = false;               ///< registration converged and believed, pair not unverified: goes to g2o
 };
 
 /// A fused map that --maps asked for (Eq. 2-3).

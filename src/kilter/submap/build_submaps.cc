@@ -44,7 +44,9 @@ Pose3 pose_in_submap(const RobotLog& log, std::size_t first, std::size_t scan) {
   return scan == first ? Pose3() : log.T_world_cloud[first].inverse() * log.T_world_cloud[scan];
 }
 
-// A map that grows holds more than a finished one, and budgets below this are about what is kept.
+// A map that grows takes up to three and a half times what it takes once finished, and two finished ones fit the
+// budget. Budgets below the least are about what is kept.
+constexpr std::size_t kBudgetsWhileGrowing = 2;
 constexpr std::size_t kLeastWhileGrowing = std::size_t{256} << 20;
 
 Error too_large(std::size_t held_bytes, std::size_t limit_bytes, std::string where) {
@@ -66,7 +68,7 @@ Expected<void> integrate(const RobotLog& log, std::size_t scan, const Pose3& T_s
   if (log.finished_submaps) {
     builder.insert_points(points_m);
   } else {
-    const std::size_t limit_bytes = std::max(run.memory_bytes, kLeastWhileGrowing);
+    const std::size_t limit_bytes = std::max(kBudgetsWhileGrowing * run.memory_bytes, kLeastWhileGrowing);
     std::size_t held_bytes = 0;
     const bool done = builder.insert_scan(points_m, T_submap_scan.translation_m(), [&](std::size_t bytes) {
       held_bytes = bytes;
