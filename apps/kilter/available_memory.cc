@@ -44,4 +44,8 @@ std::optional<std::size_t> available_memory() {
   return static_cast<std::size_t>(std::min(system.value_or(UINT64_MAX), group.value_or(UINT64_MAX)));
 }
 
+std::size_t memory_budget(std::size_t asked_bytes) {
+  return asked_bytes != 0 ? asked_bytes : available_memory().value_or(0) / 2;
+}
+
 }  // namespace kilter::app

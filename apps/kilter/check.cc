@@ -74,7 +74,7 @@ Expected<Job> open_job(const CheckCommand& command) {
   Job job;
   const Expected<std::size_t> memory = parse_memory(command.common.memory);
   if (!memory) return pass_up(memory.error());
-  job.memory_bytes = *memory != 0 ? *memory : available_memory().value_or(0) / 2;
+  job.memory_bytes = memory_budget(*memory);
   Expected<Settings> settings = read_settings(command.common, command.seed_preset);
   if (!settings) return pass_up(settings.error());
   job.settings = *std::move(settings);

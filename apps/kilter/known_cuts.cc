@@ -12,6 +12,16 @@
 #include "kilter/io/submap_poses.h"
 
 namespace kilter::app {
+namespace {
+
+// Where both name a folder that is there, by what the names lead to.
+bool same_poses(const std::optional<std::string>& a, const std::optional<std::string>& b) {
+  if (!a || !b) return a.has_value() == b.has_value();
+  std::error_code error;
+  return *a == *b || std::filesystem::equivalent(*a, *b, error);
+}
+
+}  // namespace
 
 Expected<Cuts> read_cuts_for(Mission& mission, const std::string& result) {
   Expected<Cuts> cuts = read_cuts(result);
@@ -44,17 +54,6 @@ Expected<Cuts> read_cuts_for(Mission& mission, const std::string& result) {
   return cuts;
 }
 
-namespace {
-
-// Where both name a folder that is there, by what the names lead to.
-bool same_poses(const std::optional<std::string>& a, const std::optional<std::string>& b) {
-  if (!a || !b) return a.has_value() == b.has_value();
-  std::error_code error;
-  return *a == *b || std::filesystem::equivalent(*a, *b, error);
-}
-
-}  // namespace
-
 Expected<Cuts> place_submaps(Mission& mission, const std::optional<std::string>& cuts_result,
                              const std::optional<std::string>& submap_poses, const std::optional<std::string>& poses) {
   Cuts cuts;
@@ -68,11 +67,13 @@ Expected<Cuts> place_submaps(Mission& mission, const std::optional<std::string>&
     cuts = *std::move(known);
   }
   if (!submap_poses) return cuts;
-  if (cuts_result && !all_finished && !same_poses(poses_of_result(*cuts_result), poses)) {
+  if (cuts_result && !all_finished) {
     const std::optional<std::string> there = poses_of_result(*cuts_result);
-    mission.notes.push_back(fmt::format("{} was made {}, and this is not: inside submaps, scans lie otherwise",
-                                        printable(*cuts_result),
-                                        there ? "with --poses " + printable(*there) : "without --poses"));
+    if (!same_poses(there, poses)) {
+      mission.notes.push_back(fmt::format("{} was made {}, and this is not: inside submaps, scans lie otherwise",
+                                          printable(*cuts_result),
+                                          there ? "with --poses " + printable(*there) : "without --poses"));
+    }
   }
   if (auto moved = move_submaps(*submap_poses, cuts, mission.robots); !moved) return pass_up(moved.error());
   return cuts;

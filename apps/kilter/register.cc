@@ -173,15 +173,14 @@ int run_register(const RegisterCommand& command) {
   const Expected<PairMeasurement> pair = register_clouds(*clouds, settings->check, {command.common.jobs, nullptr, {}});
   if (!pair) return print_error(pair.error());
   const PairEvidence& evidence = pair->evidence;
-  if (command.aligned && evidence.registration->converged()) {
+  if (command.aligned && !evidence.registration->converged()) {
+    print_note(fmt::format("{} is not written: the source was not brought onto the target", shown(*command.aligned)));
+  } else if (command.aligned) {
     const std::string ply = cloud_ply(clouds->source.points_m, evidence.registration->T_target_source, "target");
     if (auto done = write_file_atomically(*command.aligned, ply); !done) {
       print_error(done.error());
       return exit_status_of_output(done.error().code);
     }
-  }
-  if (command.aligned && !evidence.registration->converged()) {
-    print_note(fmt::format("{} is not written: the source was not brought onto the target", shown(*command.aligned)));
   }
   const Expected<void> done = print_out(command.common.json ? as_json(evidence) : as_text(evidence));
   if (done) return kExitGood;

@@ -86,7 +86,7 @@ Done<Job> open_job(const SubmapsCommand& command) {
   const Expected<std::size_t> memory = parse_memory(command.common.memory);
   if (!memory) return failed(memory.error());
   job.memory_bytes = *memory;
-  job.growing_bytes = *memory != 0 ? *memory : available_memory().value_or(0) / 2;
+  job.growing_bytes = memory_budget(*memory);
   Expected<Settings> settings = read_settings(command.common);
   if (!settings) return failed(settings.error());
   job.settings = *std::move(settings);

@@ -248,10 +248,6 @@ PairEvidence register_again(const PlacedPair& maps, const PairMeasurement& befor
   return evidence;
 }
 
-bool is_rigid(const RegistrationResult& registration, const JudgeOptions& options) {
-  return registration.bend.rms_m <= options.tolerance_m;
-}
-
 PairResult pair_result(const PairMeasurement& measurement, const PairVerdict& verdict, const CheckOptions& options) {
   const PairEvidence& evidence = measurement.evidence;
   PairResult result;

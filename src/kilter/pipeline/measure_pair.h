@@ -41,9 +41,6 @@ struct PairMeasurement {
 [[nodiscard]] PairEvidence register_again(const PlacedPair& maps, const PairMeasurement& before,
                                           const Pose3& T_target_source_guess, const CheckOptions& options);
 
-/// Whether one rigid motion mends the pair, or what its bend leaves apart exceeds the tolerance; whatever the judge.
-[[nodiscard]] bool is_rigid(const RegistrationResult& registration, const JudgeOptions& options);
-
 /// What the outside hears of it.
 [[nodiscard]] PairResult pair_result(const PairMeasurement& measurement, const PairVerdict& verdict,
                                      const CheckOptions& options);

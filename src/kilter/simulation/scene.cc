@@ -30,16 +30,17 @@ constexpr double kCarparkWall_m = 12.0;
 // The same world and routes, no fault, and a map as good as SLAM makes it: what was seen twice lies some centimetres
 // apart, also where it is as far away as walls mostly are here.
 Scene clean(Scene scene, double wall_m) {
+  const double lever = kOfficeWall_m / wall_m;  // by which a turn counts less than in an office
   scene.faults.clear();
   scene.slam.closure_sigma_m = 0.02;
-  scene.slam.closure_sigma_rad *= kOfficeWall_m / wall_m;
+  scene.slam.closure_sigma_rad *= lever;
   // It matches whatever it sees again, not only where it drives through the same place.
   scene.slam.closure_distance_m = wall_m;
   scene.slam.closure_spacing_m = 1.0;
-  // And its odometry, matched against the map, loses less on the way between.
+  // And its odometry, matched against the map, loses half as much on the way between.
   scene.slam.drift.bias_m_per_m *= 0.5;
-  scene.slam.drift.bias_rad_per_m *= 2.0 / wall_m;
-  scene.slam.drift.yaw_rad_per_rad *= 2.0 / wall_m;
+  scene.slam.drift.bias_rad_per_m *= 0.5 * lever;
+  scene.slam.drift.yaw_rad_per_rad *= 0.5 * lever;
   return scene;
 }
 

@@ -92,6 +92,9 @@ struct MapNull {
 /// decided later, over the map, by judge_map: until then such pairs are kUnverified with a small p_value.
 [[nodiscard]] PairVerdict judge_pair(const PairEvidence& pair, const MapNull& null, const JudgeOptions& options);
 
+/// Whether one rigid motion mends a pair: its bend leaves no more than the tolerance apart. Whatever the judge.
+[[nodiscard]] bool is_rigid(const RegistrationResult& registration, const JudgeOptions& options);
+
 /// Whether the two may show different places, as the map has them: too little is seen by both from the same side, and
 /// no more than usual of it conflicts. A double wall, or a place that is elsewhere, leaves surfaces in free space.
 [[nodiscard]] bool may_show_different_places(const PairEvidence& pair, const MapNull& null);

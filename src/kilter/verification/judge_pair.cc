@@ -28,8 +28,8 @@ constexpr double kWrongWhenDoubted = 0.25;
 // It starts at the map's pose, and a wide search leaves that basin for a better one only: from a right pose it ends
 // beyond the tolerance this much more rarely than from a wrong one, doubted or not, as long as conflict does not grow
 // on the way; where it does, as in the storey above, right poses are left as often. Of pairs off by more than the
-// tolerance 24 % are doubted and ended beyond it, of the others 0.08 % (3 of 3,854), which is a ratio of about 300, 105
-// to 1,490 with 95 % (`benchmarks/accuracy/run --parts drift`).
+// tolerance 24 % are doubted and ended beyond it, of the others 0.05 % (2 of 3,879), which is a ratio of 467, 129 to
+// 3,860 with 95 % (`benchmarks/accuracy/run --parts drift`).
 constexpr double kLeavesRightPlace = 0.0025;
 // An ambiguous registration is believed if this many around it agree.
 constexpr int kSupported = 2;
@@ -248,7 +248,7 @@ PairVerdict judge_displacement(const PairEvidence& pair, const MapNull& null, co
   const std::string measured =
       fmt::format("offset {} ({} to {})", in_cm(offset.offset_m), in_cm((*verdict.offset_interval_m)[0]),
                   in_cm((*verdict.offset_interval_m)[1]));
-  verdict.rigid = bend.rms_m <= options.tolerance_m;
+  verdict.rigid = is_rigid(*pair.registration, options);
   verdict.bent = bent_one(bend);
   const bool moved = offset.offset_m > options.tolerance_m;
   const bool beyond = *verdict.disagreement_m > options.tolerance_m;
@@ -312,6 +312,10 @@ std::vector<OptionField> fields(JudgeOptions& o) {
                   "Share of overlapping pairs, of each kind and each two robots, that must be decided for a consistent "
                   "map."),
   };
+}
+
+bool is_rigid(const RegistrationResult& registration, const JudgeOptions& options) {
+  return registration.bend.rms_m <= options.tolerance_m;
 }
 
 bool may_show_different_places(const PairEvidence& pair, const MapNull& null) {
