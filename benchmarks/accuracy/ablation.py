@@ -14,7 +14,8 @@ SURE = math.log(0.99 / 0.01)
 PRIOR = math.log(0.05 / 0.95)
 
 PIECES = ("bend", "neighbours", "ambiguity", "kept overlap", "conflict once registered", "gain of support",
-          "sides seen by both", "free space alone", "conflict that a motion mends", "a better fit elsewhere")
+          "sides seen by both", "free space alone", "conflict that a motion mends", "a better fit elsewhere",
+          "believed neighbours")
 WHATEVER_IT_IS = 0.25  # share of conflict, above the typical, that needs no motion to speak
 
 
@@ -37,7 +38,8 @@ def log_odds(row, without=""):
     believed = without == "bend" or (without and doubts(row) == {without})
     said = value(row, "displacement" if believed else "disagreement", "log_ratio")
     alone = free_space(row, without)
-    ratios = [ratio for ratio in (said, alone) if ratio is not None]
+    neighbours = value(row, "agreeing", "log_ratio") if said is None and without != "believed neighbours" else None
+    ratios = [ratio for ratio in (said, alone, neighbours) if ratio is not None]
     return max(ratios) + PRIOR if ratios else 0.0
 
 
@@ -80,6 +82,8 @@ def decide(row, without=""):
     if alone is not None:
         return "inconsistent" if alone > SURE else "unverified"
     if value(row, "support", "log_ratio") is not None and without not in ("neighbours", "a better fit elsewhere"):
+        return "inconsistent"
+    if value(row, "agreeing", "log_ratio") is not None and without not in ("neighbours", "believed neighbours"):
         return "inconsistent"
     if value(row, "displacement") is None or doubts(row) - {without}:
         return "unverified"

@@ -288,4 +288,4 @@ def is_rigid(pair, tolerance_m):
 def without_registration(pair):
     """Whether a pair of result.json was judged by free space alone, or because something else fits better: no registration
     of it is believed."""
-    return any(pair["evidence"].get(name, {}).get("log_ratio") is not None for name in ("conflict", "support"))
+    return any(pair["evidence"].get(name, {}).get("log_ratio") is not None for name in ("conflict", "support", "agreeing"))

@@ -127,6 +127,25 @@ Expected<std::vector<PairMeasurement>> measure_all(const std::vector<SubmapNode>
   return measured;
 }
 
+// Each pair alone, then those once more whose neighbours, believed alone, vouch for what it is doubted for.
+std::vector<PairVerdict> judge_by_displacement(const std::vector<PairMeasurement>& measured,
+                                               std::vector<PairEvidence>& evidence, const MapNull& null,
+                                               const std::vector<SubmapNode>& nodes, const CheckOptions& options) {
+  std::vector<PairVerdict> verdicts;
+  std::vector<Standing> standings;
+  for (const PairEvidence& pair : evidence) {
+    verdicts.push_back(judge_pair(pair, null, options.judge));
+    standings.push_back(standing_of(verdicts.back(), options.judge));
+  }
+  const std::vector<int> vouching = vouching_for(nodes, measured, standings, options);
+  for (std::size_t i = 0; i < evidence.size(); ++i) {
+    if (vouching[i] == 0 || standings[i] != Standing::kDoubted) continue;
+    evidence[i].agreement.vouching = vouching[i];
+    verdicts[i] = judge_pair(evidence[i], null, options.judge);
+  }
+  return verdicts;
+}
+
 std::vector<JudgedPair> judge_all(const std::vector<PairMeasurement>& measured, const std::vector<SubmapNode>& nodes,
                                   const CheckOptions& options) {
   std::vector<PairEvidence> evidence;
@@ -136,11 +155,17 @@ std::vector<JudgedPair> judge_all(const std::vector<PairMeasurement>& measured, 
   std::vector<JudgedPair> judged;
   judged.reserve(evidence.size());
   const bool by_gamma = options.judge.method == JudgeMethod::kGamma;
-  for (const PairEvidence& pair : evidence) {
+  std::vector<PairVerdict> verdicts;
+  if (by_gamma) {
+    for (const PairEvidence& pair : evidence) verdicts.push_back(judge_pair_by_gamma(pair, null));
+  } else {
+    verdicts = judge_by_displacement(measured, evidence, null, nodes, options);
+  }
+  for (std::size_t i = 0; i < evidence.size(); ++i) {
+    const PairEvidence& pair = evidence[i];
     const bool overlaps = pair.overlaps && (by_gamma || !shows_no_common_side(pair, null));
     judged.push_back({pair.id, pair.kind, overlaps, nodes[static_cast<std::size_t>(pair.id.source.value)].robot,
-                      nodes[static_cast<std::size_t>(pair.id.target.value)].robot,
-                      by_gamma ? judge_pair_by_gamma(pair, null) : judge_pair(pair, null, options.judge),
+                      nodes[static_cast<std::size_t>(pair.id.target.value)].robot, std::move(verdicts[i]),
                       by_gamma || !may_show_different_places(pair, null)});
   }
   return judged;

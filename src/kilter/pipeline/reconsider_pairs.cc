@@ -46,6 +46,10 @@ struct Corrections {
   std::vector<Agreement> agreements;
 };
 
+AgreementOptions agreement_options(const CheckOptions& options) {
+  return {.drift_per_metre = options.pairing.drift_per_metre};
+}
+
 Corrections corrections_of(std::span<const SubmapNode> nodes, std::span<const PairMeasurement> measured,
                            const AgreementOptions& options) {
   Corrections corrections;
@@ -82,7 +86,7 @@ bool is_worth_keeping(const PairEvidence& found, const PairEvidence& before) {
 Expected<void> reconsider_pairs(std::span<const SubmapNode> nodes, SubmapStore& store, const CheckOptions& options,
                                 const RunContext& run, std::vector<PairMeasurement>& measured) {
   if (options.registration.method == RegistrationMethod::kOicp) return {};
-  const AgreementOptions agreement{.drift_per_metre = options.pairing.drift_per_metre};
+  const AgreementOptions agreement = agreement_options(options);
   const Corrections first = corrections_of(nodes, measured, agreement);
   store_agreements(first, measured);
   struct Try {
@@ -114,6 +118,27 @@ Expected<void> reconsider_pairs(std::span<const SubmapNode> nodes, SubmapStore& 
   }
   store_agreements(corrections_of(nodes, measured, agreement), measured);
   return {};
+}
+
+std::vector<int> vouching_for(std::span<const SubmapNode> nodes, std::span<const PairMeasurement> measured,
+                              std::span<const Standing> standings, const CheckOptions& options) {
+  const AgreementOptions agreement = agreement_options(options);
+  const Corrections corrections = corrections_of(nodes, measured, agreement);
+  std::vector<Standing> of_corrections;
+  of_corrections.reserve(corrections.pairs.size());
+  for (const std::size_t i : corrections.pairs) of_corrections.push_back(standings[i]);
+  const CorrectionIndex index(corrections.all, agreement);
+  const std::vector<int> counts = count_vouching(index, of_corrections);
+  std::vector<int> vouching(measured.size(), 0);
+  for (std::size_t k = 0; k < counts.size(); ++k) vouching[corrections.pairs[k]] = counts[k];
+  for (std::size_t i = 0; i < measured.size(); ++i) {
+    const PairEvidence& evidence = measured[i].evidence;
+    if (evidence.registered || !(evidence.overlaps || measured[i].candidate.predicted_enough)) continue;
+    Correction pair = place_of(nodes, evidence);
+    pair.centre_world_m = nodes[static_cast<std::size_t>(evidence.id.source.value)].T_world_submap.translation_m();
+    vouching[i] = count_movers(index, of_corrections, pair, options.judge.tolerance_m);
+  }
+  return vouching;
 }
 
 }  // namespace kilter

@@ -22,4 +22,11 @@ namespace kilter {
                                               const CheckOptions& options, const RunContext& run,
                                               std::vector<PairMeasurement>& measured);
 
+/// How many believed pairs around each vouch for its correction, or would move it where it was not registered but
+/// overlaps, as the map has it or within what odometry may have drifted (Agreement::vouching). \param standings  of
+/// `measured`, in order, before anybody was vouched for
+[[nodiscard]] std::vector<int> vouching_for(std::span<const SubmapNode> nodes,
+                                            std::span<const PairMeasurement> measured,
+                                            std::span<const Standing> standings, const CheckOptions& options);
+
 }  // namespace kilter

@@ -42,6 +42,11 @@ bool comparable(const Correction& a, const Correction& b, const AgreementOptions
          way_m(a, b) <= options.neighbourhood_m;
 }
 
+// Whether what one says of another place, give or take this, tells anything of a move by so much.
+bool is_informative(double allowance_m, double moved_m) {
+  return allowance_m <= std::max(kInformative_m, kInformativeShare * moved_m);
+}
+
 enum class Say { kNothing, kSame, kOther };
 
 Say compare(const Correction& a, const Correction& b, const AgreementOptions& options) {
@@ -54,7 +59,7 @@ Say compare(const Correction& a, const Correction& b, const AgreementOptions& op
   const double sigma_m = std::sqrt(a.sigma_m * a.sigma_m + b.sigma_m * b.sigma_m + turn_m * turn_m);
   const double allowance_m = kSlack_m + kSigmas * sigma_m + options.drift_per_metre * way_m(a, b);
   const double asked_m = std::max(shift_a_m.norm(), shift_b_m.norm());
-  if (allowance_m > std::max(kInformative_m, kInformativeShare * asked_m)) return Say::kNothing;
+  if (!is_informative(allowance_m, asked_m)) return Say::kNothing;
   // Carried over as one rigid motion, or as the same shift: where each submap is tilted in its own way, as odometry
   // without a tilt sensor leaves them, the turn of one says nothing about the other.
   const double apart_m = std::min((to_a_m - to_b_m).norm(), (shift_a_m - shift_b_m).norm());
@@ -112,6 +117,52 @@ std::vector<Agreement> compare_corrections(const CorrectionIndex& index) {
     }
   }
   return agreements;
+}
+
+std::vector<int> count_vouching(const CorrectionIndex& index, std::span<const Standing> standings) {
+  const std::span<const Correction> corrections = index.corrections();
+  std::vector<int> vouching(corrections.size(), 0);
+  for (std::size_t i = 0; i < corrections.size(); ++i) {
+    const Correction& own = corrections[i];
+    bool denied = false;
+    for (const std::size_t k : index.near(own)) {
+      if (standings[k] == Standing::kDoubted || !close_over_same_way(own, corrections[k])) continue;
+      const Say say = compare(own, corrections[k], index.options());
+      if (standings[k] == Standing::kMoves && say == Say::kSame) ++vouching[i];
+      if (standings[k] == Standing::kStays && say == Say::kOther) denied = true;
+    }
+    if (denied) vouching[i] = 0;
+  }
+  return vouching;
+}
+
+int count_movers(const CorrectionIndex& index, std::span<const Standing> standings, const Correction& pair,
+                 double tolerance_m) {
+  struct Place {
+    Eigen::Vector3d to_m;
+    double allowance_m;
+  };
+  std::vector<Place> places;
+  bool of_source = false;
+  bool of_target = false;
+  for (const std::size_t k : index.near(pair)) {
+    const Correction& other = index.corrections()[k];
+    if (standings[k] == Standing::kDoubted || !close_over_same_way(pair, other)) continue;
+    const Eigen::Vector3d to_m = other.T_world_correction * pair.centre_world_m;
+    const double moved_m = (to_m - pair.centre_world_m).norm();
+    const double turn_m = other.sigma_rad * (pair.centre_world_m - other.centre_world_m).norm();
+    const double allowance_m =
+        kSlack_m + kSigmas * std::hypot(other.sigma_m, turn_m) + index.options().drift_per_metre * way_m(pair, other);
+    if (!is_informative(allowance_m, moved_m)) continue;
+    if (standings[k] == Standing::kStays || moved_m - allowance_m <= tolerance_m) return 0;
+    for (const Place& place : places) {
+      if ((place.to_m - to_m).norm() > place.allowance_m + allowance_m) return 0;
+    }
+    places.push_back({to_m, allowance_m});
+    of_source = of_source || other.id.source == pair.id.source;
+    of_target = of_target || other.id.target == pair.id.target;
+  }
+  return of_source && of_target ? static_cast<int>(places.size()) : 0;
 }
 
 std::optional<std::size_t> suggest_correction(const CorrectionIndex& index, std::span<const Agreement> agreements,

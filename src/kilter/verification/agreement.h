@@ -35,6 +35,9 @@ struct Agreement {
   double agreeing_weight = 0.0;
   double contradicting_weight = 0.0;
   std::optional<PairId> nearest_agreeing;  ///< the one with the shortest way along both journeys
+  /// How many of those that are believed on their own and move ask for the same (count_vouching); where it asks for
+  /// nothing, how many would move it (count_movers).
+  int vouching = 0;
 
   /// Next to nothing around asks for the same, and something unambiguous asks for something else. Neighbours beyond a
   /// slip rightly ask for something else, so a few that agree are enough.
@@ -78,6 +81,25 @@ class CorrectionIndex {
 /// contradict: odometry may have slipped under one of them.
 /// \return one entry per correction, in order. O(n times the pairs within a neighbourhood).
 [[nodiscard]] std::vector<Agreement> compare_corrections(const CorrectionIndex& index);
+
+/// What a pair's verdict, before its neighbours were heard, says of the correction that it asks for.
+enum class Standing {
+  kDoubted,  ///< nothing: its registration is not believed
+  kMoves,    ///< believed: the map's pose is wrong
+  kStays,    ///< believed: the map's pose is right
+};
+
+/// Who vouches for each correction: pairs near it that move, ask for the same, and close over some of the same way
+/// within one robot; none at all if one that stays asks for something else. \param standings  of each, in order
+/// \return how many, in order. Cost as above.
+[[nodiscard]] std::vector<int> count_vouching(const CorrectionIndex& index, std::span<const Standing> standings);
+
+/// The same for a pair that was not registered and asks for nothing: how many of those around it would move the place
+/// at `pair.centre_world_m` by more than `tolerance_m` (any stretch of way bends by what odometry is allowed). 0 unless
+/// they put it to the same place, one of them shares its source and one its target, so that a slip beside one of the
+/// two is no explanation, and none that could tell leaves it where it is. O(pairs within a neighbourhood, squared).
+[[nodiscard]] int count_movers(const CorrectionIndex& index, std::span<const Standing> standings,
+                               const Correction& pair, double tolerance_m);
 
 /// Which correction a pair that is contradicted, or was never registered, should try: that of the best-supported
 /// neighbour (most agreeing weight, then the shortest way), as a number of the index; absent if no neighbour has two

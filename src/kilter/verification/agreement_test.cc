@@ -116,6 +116,73 @@ TEST(CompareCorrections, AmbiguousNeighboursAreNotEnoughToContradict) {
   EXPECT_FALSE(compared(corrections)[0].contradicted());
 }
 
+std::vector<int> vouched(const std::vector<Correction>& corrections, const std::vector<Standing>& standings) {
+  return count_vouching({corrections, {}}, standings);
+}
+
+TEST(CountVouching, CountsThoseThatAreBelievedAndAskForTheSame) {
+  std::vector<Correction> corrections;
+  for (int i = 0; i < 4; ++i) corrections.push_back(asking(i, {3.0, 0.5, 0.0}));
+  using enum Standing;
+  EXPECT_EQ(vouched(corrections, {kDoubted, kMoves, kMoves, kMoves}), (std::vector{2, 2, 2, 2}))
+      << "3 lies beyond the neighbourhood of 0, and 0 vouches for nobody";
+  corrections[2] = asking(2, {0.0, 4.0, 0.0});
+  EXPECT_EQ(vouched(corrections, {kDoubted, kMoves, kMoves, kMoves})[0], 1) << "beyond a slip others ask for others";
+}
+
+TEST(CountVouching, NobodyVouchesForAMoveThatABelievedNeighbourDenies) {
+  using enum Standing;
+  std::vector<Correction> corrections;
+  for (int i = 0; i < 3; ++i) corrections.push_back(asking(i, {3.0, 0.5, 0.0}));
+  corrections.push_back(asking(1, {0.01, 0.0, 0.0}));
+  corrections.back().id = {{11}, {2}};
+  EXPECT_EQ(vouched(corrections, {kDoubted, kMoves, kMoves, kStays})[0], 0);
+  EXPECT_EQ(vouched(corrections, {kDoubted, kMoves, kMoves, kDoubted})[0], 2) << "if it is believed itself";
+}
+
+TEST(CountVouching, OfOneRobotOnlyThoseThatCloseOverTheSameWay) {
+  const auto across = [](int source, int target) {
+    Correction correction = asking(source, {0.5, 0.0, 0.0});
+    correction.id = {{source}, {target}};
+    correction.source_robot = 0;
+    correction.target_path_m = 10.0 * target;
+    return correction;
+  };
+  using enum Standing;
+  EXPECT_EQ(vouched({across(2, 1), across(3, 2)}, {kDoubted, kMoves})[0], 0) << "that is another slip";
+  EXPECT_EQ(vouched({across(2, 1), across(3, 1)}, {kDoubted, kMoves})[0], 1);
+}
+
+// Source i against target k, which was not registered.
+Correction place_of(int i, int k) {
+  Correction pair = asking(i, Eigen::Vector3d::Zero());
+  pair.id = {{10 + i}, {k}};
+  pair.target_path_m = 10.0 * k;
+  return pair;
+}
+
+TEST(CountMovers, NeedsSomeOfItsSourceAndOfItsTargetThatPutItToOnePlace) {
+  using enum Standing;
+  const auto pair = [](int i, int k, const Eigen::Vector3d& shift_m) {
+    Correction correction = place_of(i, k);
+    correction.T_world_correction = Pose3::from_translation(shift_m.x(), shift_m.y(), shift_m.z());
+    return correction;
+  };
+  const Eigen::Vector3d shift_m(3.0, 0.0, 0.0);
+  std::vector<Correction> around = {pair(1, 0, shift_m), pair(1, 1, shift_m), pair(2, 2, shift_m)};
+  const std::vector<Standing> moves(3, kMoves);
+  const auto movers = [&](const std::vector<Standing>& standings, double tolerance_m = 0.1) {
+    return count_movers({around, {}}, standings, place_of(1, 2), tolerance_m);
+  };
+  EXPECT_EQ(movers(moves), 3);
+  EXPECT_EQ(movers(moves, 2.9), 0) << "what odometry may bend on the way could explain it";
+  EXPECT_EQ(movers({kMoves, kMoves, kDoubted}), 0) << "none of its target: odometry may have slipped beside it";
+  EXPECT_EQ(movers({kDoubted, kDoubted, kMoves}), 0) << "none of its source";
+  EXPECT_EQ(movers({kMoves, kStays, kMoves}), 0);
+  around[2] = pair(2, 2, {0.0, 3.0, 0.0});
+  EXPECT_EQ(movers(moves), 0) << "they do not put it to the same place";
+}
+
 TEST(SuggestCorrection, TakesWhatTheNeighboursAgreeOn) {
   std::vector<Correction> corrections;
   for (int i = 0; i < 4; ++i) corrections.push_back(asking(i, {3.0, 0.5, 0.0}));

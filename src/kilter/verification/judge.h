@@ -92,6 +92,10 @@ struct MapNull {
 /// decided later, over the map, by judge_map: until then such pairs are kUnverified with a small p_value.
 [[nodiscard]] PairVerdict judge_pair(const PairEvidence& pair, const MapNull& null, const JudgeOptions& options);
 
+/// What a verdict says of the correction that its pair's registration asks for, to those around it. \param verdict  by
+/// judge_pair
+[[nodiscard]] Standing standing_of(const PairVerdict& verdict, const JudgeOptions& options);
+
 /// Whether one rigid motion mends a pair: its bend leaves no more than the tolerance apart. Whatever the judge.
 [[nodiscard]] bool is_rigid(const RegistrationResult& registration, const JudgeOptions& options);
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "kilter/numerics/special.h"
 #include "kilter/verification/judge.h"
@@ -33,6 +34,8 @@ constexpr double kWrongWhenDoubted = 0.25;
 constexpr double kLeavesRightPlace = 0.0025;
 // An ambiguous registration is believed if this many around it agree.
 constexpr int kSupported = 2;
+// A pair whose displacement is no chance at this level is believed, and may vouch for others.
+constexpr double kBelieved = 1e-4;
 
 double conflict_limit(const MapNull& null) {
   return null.conflict + std::max(kConflictSpreads * null.conflict_spread, kConflictSlack);
@@ -85,7 +88,7 @@ void disbelieve(const PairEvidence& pair, const MapNull& null, const JudgeOption
   verdict.p_value.reset();
   std::optional<double>& log_ratio = verdict.evidence.at("disagreement").log_ratio;
   const bool above = *log_ratio > 0.0;
-  const bool telling = above && !conflict_grew(pair) && !surfaces_may_differ(pair, null);
+  const bool telling = above && (is_vouched_for(pair) || (!conflict_grew(pair) && !surfaces_may_differ(pair, null)));
   const double wrong = telling ? kLeavesRightPlace : kWrongWhenDoubted;
   const double strength = std::log(wrong + (1.0 - wrong) * std::exp(-std::abs(*log_ratio)));
   log_ratio = above ? -strength : strength;
@@ -224,22 +227,26 @@ std::string registration_failure(const PairEvidence& pair) {
   return fmt::format("registration failed: {}", to_string(pair.registration->stop));
 }
 
-PairVerdict judge_displacement(const PairEvidence& pair, const MapNull& null, const JudgeOptions& options) {
-  PairVerdict verdict;
-  note_measurements(pair, null, verdict);
-  if (!pair.overlaps && !pair.registered) {
-    verdict.reason = pair.gate;
-    return verdict;
-  }
-  if (shows_no_common_side(pair, null)) {
-    verdict.reason = fmt::format(
+// Why there is no displacement to judge; empty if there is one.
+std::string nothing_to_compare(const PairEvidence& pair, const MapNull& null) {
+  if (!pair.overlaps && !pair.registered) return pair.gate;
+  if (shows_no_common_side(pair, null) && !(pair.registered && is_vouched_for(pair))) {
+    return fmt::format(
         "too little overlap: of {} voxels that match, {} show a side that both saw, and no free space speaks against "
         "the map: the places may differ",
         pair.map.matched, pair.common->matched);
+  }
+  return registration_failure(pair);
+}
+
+PairVerdict judge_displacement(const PairEvidence& pair, const MapNull& null, const JudgeOptions& options) {
+  PairVerdict verdict;
+  note_measurements(pair, null, verdict);
+  verdict.reason = nothing_to_compare(pair, null);
+  if (!verdict.reason.empty()) {
+    if (!pair.registered) let_neighbours_speak(pair, options, verdict);
     return verdict;
   }
-  verdict.reason = registration_failure(pair);
-  if (!verdict.reason.empty()) return verdict;
   verdict.unobservable = pair.registration->unobservable;
   const OffsetEstimate offset = estimate_offset(*pair.registration, pair.T_target_source);
   const Bend& bend = pair.registration->bend;
@@ -252,23 +259,28 @@ PairVerdict judge_displacement(const PairEvidence& pair, const MapNull& null, co
   verdict.bent = bent_one(bend);
   const bool moved = offset.offset_m > options.tolerance_m;
   const bool beyond = *verdict.disagreement_m > options.tolerance_m;
-  const std::string why_not = doubt(pair, null, verdict.rigid || moved);
-  if (!why_not.empty()) {
-    verdict.reason = fmt::format("{}; {}", measured, why_not);
+  const auto call_doubtful = [&](std::string reason) {
+    verdict.reason = std::move(reason);
     const double p_value = *verdict.p_value;
     disbelieve(pair, null, options, verdict);
-    if (moved && contradicted(pair)) let_better_fit_speak(pair, p_value, verdict);
+    if (!moved) return;
+    if (contradicted(pair)) {
+      let_better_fit_speak(pair, p_value, verdict);
+    } else {
+      let_neighbours_speak(pair, p_value, verdict);
+    }
+  };
+  if (const std::string why_not = doubt(pair, null, verdict.rigid || moved); !why_not.empty()) {
+    call_doubtful(fmt::format("{}; {}", measured, why_not));
   } else if (moved && !fit_improved(pair)) {
-    verdict.reason =
+    call_doubtful(
         conflict_grew(pair)
             ? fmt::format("{}, but what both saw conflicts more there: a similar place may be what fits", measured)
-            : fmt::format("{}, but the pair agrees no better there", measured);
-    disbelieve(pair, null, options, verdict);
+            : fmt::format("{}, but the pair agrees no better there", measured));
   } else if (beyond && surfaces_may_differ(pair, null)) {
-    verdict.reason = fmt::format(
+    call_doubtful(fmt::format(
         "{}, but few voxels show a side that both saw, and no free space speaks against the map: the places may differ",
-        measured);
-    disbelieve(pair, null, options, verdict);
+        measured));
   } else if (beyond) {
     verdict.reason = fmt::format(
         "{}, {} apart with what no rigid motion mends: not told from the tolerance of {} over "
@@ -312,6 +324,12 @@ std::vector<OptionField> fields(JudgeOptions& o) {
                   "Share of overlapping pairs, of each kind and each two robots, that must be decided for a consistent "
                   "map."),
   };
+}
+
+Standing standing_of(const PairVerdict& verdict, const JudgeOptions& options) {
+  if (verdict.verdict == Verdict::kConsistent) return Standing::kStays;
+  const bool believed = verdict.p_value && *verdict.p_value <= kBelieved && !verdict.without_registration;
+  return believed && *verdict.offset_m > options.tolerance_m ? Standing::kMoves : Standing::kDoubted;
 }
 
 bool is_rigid(const RegistrationResult& registration, const JudgeOptions& options) {

@@ -37,6 +37,11 @@ constexpr double kSurely = 1e-4;            // a displacement of this p-value ne
 // A right pose is left this seldom for one that fits better, beyond chance, and that its neighbours contradict: upper
 // 95 % bound over the good pairs of `benchmarks/accuracy/run`, of which none was.
 constexpr double kLeftForBetter = 0.002;
+// So many neighbours, believed on their own, have to ask for the move of a pair that is doubted. A right pose then is
+// denied this seldom: upper 95 % bound over the same pairs, of which none was.
+constexpr int kVouching = 2;
+constexpr int kMovers = 3;  // of one that was not registered, and asks for nothing itself
+constexpr double kDeniedByNeighbours = 0.002;
 
 // Free space is silent at this share of what both know; where most voxels show a common side it need not speak. Of
 // 8,782 pairs that are rightly called inconsistent, 18 are silent (`benchmarks/accuracy/run`).
@@ -150,6 +155,36 @@ void let_better_fit_speak(const PairEvidence& pair, double p_value, PairVerdict&
           "({})",
           pair.registration->support_end, pair.registration->support_start, 100.0 * pair.registered->conflict.share(),
           100.0 * pair.map.conflict.share(), verdict.reason),
+      verdict);
+}
+
+bool is_vouched_for(const PairEvidence& pair) {
+  return pair.agreement.vouching >= (pair.registered ? kVouching : kMovers);
+}
+
+void let_neighbours_speak(const PairEvidence& pair, double p_value, PairVerdict& verdict) {
+  if (!is_vouched_for(pair)) return;
+  verdict.evidence["agreeing"] = {static_cast<double>(pair.agreement.agreeing),
+                                  static_cast<double>(pair.agreement.contradicting),
+                                  verdict.evidence.at("disagreement").log_ratio};
+  decide_without_registration(
+      std::max(p_value, kDeniedByNeighbours),
+      fmt::format("{} pairs around it that are believed on their own ask for the same move; its own registration does "
+                  "not suffice ({})",
+                  pair.agreement.vouching, verdict.reason),
+      verdict);
+}
+
+void let_neighbours_speak(const PairEvidence& pair, const JudgeOptions& options, PairVerdict& verdict) {
+  if (!is_vouched_for(pair)) return;
+  const double log_ratio = -std::log(kDeniedByNeighbours);
+  verdict.evidence["agreeing"] = {static_cast<double>(pair.agreement.vouching), 0.0, log_ratio};
+  set_posterior(log_ratio, options, verdict);
+  decide_without_registration(
+      kDeniedByNeighbours,
+      fmt::format("{} pairs around it that are believed on their own would move it by more than the tolerance, all to "
+                  "the same place; itself it shows nothing ({})",
+                  pair.agreement.vouching, verdict.reason),
       verdict);
 }
 
