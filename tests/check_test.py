@@ -232,6 +232,12 @@ class Output(CheckCase):
             self.assertIn(f"note: {self.out} has no cuts for d, cut anew\n", run.stderr)
             self.assertEqual(run_kilter(*some, "--quiet", *(["--replace"] if command == "submaps" else [])).stderr, "")
 
+    def test_one_robot_under_two_names_is_told(self):
+        twice = [f"{name}={self.tiny.mission / 'a'}" for name in ("c", "d")]
+        run = run_kilter("check", *twice, "-o", self.out, *self.settings)
+        self.assertIn("note: robot d: its poses and clouds are those of c; ", run.stderr)
+        self.assertNotIn("those of", self.check().stderr)
+
 
 class Terminal(CheckCase):
     def on_a_terminal(self, *arguments: str, **environment: str) -> str:

@@ -28,6 +28,7 @@
 #include "apps/kilter/unused_keys.h"
 #include "apps/kilter/word_option.h"
 #include "kilter/io/file.h"
+#include "kilter/io/find_oddities.h"
 #include "kilter/io/mission.h"
 #include "kilter/io/temporary_file.h"
 #include "kilter/io/usable_points.h"
@@ -209,6 +210,10 @@ void print_notes_before(const Job& job) {
   for (const std::string& note : job.mission.notes) print_note(note);
   for (const std::string& note : notes_on_cells(job.mission, job.settings.check.submap.occupancy.resolution_m)) {
     print_note(note);
+  }
+  for (const auto& [later, earlier] : robots_given_twice(job.mission.robots)) {
+    print_note(fmt::format("robot {}: its poses and clouds are those of {}; that the two agree proves nothing",
+                           printable(job.mission.robots[later].name), printable(job.mission.robots[earlier].name)));
   }
   if (const auto note = note_on_unused_keys(job.mission, job.settings.check)) print_note(*note);
   if (const auto note = note_on_fine_voxels(job.settings.check.submap.occupancy)) print_note(*note);

@@ -63,6 +63,30 @@ def motion_about(centre, shift, rotation):
     return T
 
 
+def mounted_askew(level, folder):
+    """A mission as robots would record it whose sensors are mounted 2 to 4 degrees off level and up to 40 degrees off
+    ahead, each its own way: poses turned, points turned back. Nothing else changes, but that floors and walls no longer
+    lie along a submap's lattice."""
+    for poses in level.glob("*/*/poses.tum"):
+        rng = np.random.default_rng(zlib.crc32(f"{level.name} {poses.parent.name}".encode()))
+        about = rng.uniform(0, 2 * np.pi)
+        mount = turn(np.array([np.cos(about), np.sin(about), 0.0]), np.radians(rng.uniform(2, 4))) @ turn(
+            np.array([0.0, 0.0, 1.0]), np.radians(rng.uniform(-40, 40)))
+        out = folder / poses.parent.relative_to(level)
+        (out / "scans").mkdir(parents=True, exist_ok=True)
+        lines = []
+        for line in poses.read_text(encoding="utf-8").splitlines():
+            T = labels.to_matrix([float(word) for word in line.split()[1:]])
+            T[:3, :3] = T[:3, :3] @ mount
+            lines.append(" ".join([line.split()[0], *(repr(float(x)) for x in to_pose(T))]))
+        (out / "poses.tum").write_text("\n".join(lines) + "\n", encoding="utf-8")
+        for scan in (poses.parent / "scans").glob("*.bin"):
+            points = np.fromfile(scan, np.float32).reshape(-1, 4)
+            points[:, :3] = points[:, :3].astype(float) @ mount
+            points.tofile(out / "scans" / scan.name)
+    (folder / "truth" / "faults.json").write_bytes((level / "truth" / "faults.json").read_bytes())
+
+
 class Mission:
     """One simulated world without faults, its submaps at their true poses, and the program that registers them."""
 
@@ -71,6 +95,10 @@ class Mission:
         if not (folder / "truth" / "faults.json").exists():
             run(options.kilter, "simulate", world, "-o", folder, "--seed", seed, "--fault", "none", "--scale",
                 options.scale, "--replace", "--quiet")
+        if options.askew:
+            level, folder = folder, folder.with_name(folder.name + "-askew")
+            if not (folder / "truth" / "faults.json").exists():
+                mounted_askew(level, folder)
         self.folder = folder
         command = [options.program, folder / "mission", folder / "truth", *options.set]
         self.program = subprocess.Popen([str(word) for word in command], stdin=subprocess.PIPE, stdout=subprocess.PIPE,

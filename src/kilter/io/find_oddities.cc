@@ -166,7 +166,8 @@ class Finder {
 };
 
 bool are_one(const RobotLog& a, const RobotLog& b) {
-  if (a.T_world_cloud.size() != b.T_world_cloud.size() || !a.peek_cloud || !b.peek_cloud) return false;
+  if (a.T_world_cloud.empty() || a.T_world_cloud.size() != b.T_world_cloud.size() || !a.peek_cloud || !b.peek_cloud)
+    return false;
   for (std::size_t i = 0; i < a.T_world_cloud.size(); ++i) {
     if (a.T_world_cloud[i].translation_m() != b.T_world_cloud[i].translation_m()) return false;
   }
@@ -176,15 +177,15 @@ bool are_one(const RobotLog& a, const RobotLog& b) {
 
 void compare_robots(std::span<const RobotLog> robots, std::span<const RobotInspection> seen,
                     std::vector<Oddity>& found) {
+  for (const auto& [later, earlier] : robots_given_twice(robots)) {
+    found.push_back({"identical-robots", robots[later].name,
+                     fmt::format("its poses and clouds are those of {}", printable(robots[earlier].name))});
+  }
   for (std::size_t i = 0; i < robots.size(); ++i) {
     double nearest_m = std::numeric_limits<double>::infinity();
     for (std::size_t k = 0; k < robots.size(); ++k) {
       if (k == i) continue;
       nearest_m = std::min(nearest_m, seen[i].extent_world_m.exteriorDistance(seen[k].extent_world_m));
-      if (k < i && are_one(robots[i], robots[k])) {
-        found.push_back({"identical-robots", robots[i].name,
-                         fmt::format("its poses and clouds are those of {}", printable(robots[k].name))});
-      }
     }
     const bool is_whole = std::all_of(seen.begin(), seen.end(), [](const auto& one) { return one.clouds_unread == 0; });
     if (robots.size() > 1 && nearest_m > kFar_m && is_whole) {
@@ -194,6 +195,16 @@ void compare_robots(std::span<const RobotLog> robots, std::span<const RobotInspe
 }
 
 }  // namespace
+
+std::vector<std::pair<std::size_t, std::size_t>> robots_given_twice(std::span<const RobotLog> robots) {
+  std::vector<std::pair<std::size_t, std::size_t>> twice;
+  for (std::size_t i = 0; i < robots.size(); ++i) {
+    for (std::size_t k = 0; k < i; ++k) {
+      if (are_one(robots[i], robots[k])) twice.emplace_back(i, k);
+    }
+  }
+  return twice;
+}
 
 std::vector<Oddity> find_oddities(std::span<const RobotLog> robots, std::span<const RobotInspection> seen) {
   std::vector<Oddity> found;

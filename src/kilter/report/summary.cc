@@ -254,6 +254,13 @@ void add_worst(Lines& lines, const Result& result, const SummaryOptions& options
   }
 }
 
+// A path in a command: whole, or as the option's help calls it where no line holds it.
+std::string to_be_typed(const std::string& path, std::string_view name) {
+  constexpr std::size_t kMostColumns = 70;
+  std::string whole = printable(path);
+  return columns_of(whole) <= kMostColumns ? whole : std::string(name);
+}
+
 // Of the inconsistent pairs, those that gave a constraint.
 std::string how_to_mend(const Result& result, const SummaryOptions& options, const std::string& folder) {
   std::size_t constraints = 0;
@@ -275,7 +282,7 @@ std::string how_to_mend(const Result& result, const SummaryOptions& options, con
       "give {0}/constraints.g2o{1} to the optimiser, then check the same again with --submap-poses NEW.g2o{2}", folder,
       few,
       (are_cut ? " --cuts " + folder : std::string()) +
-          (options.poses ? " --poses " + printable(*options.poses, 60) : std::string()));
+          (options.poses ? " --poses " + to_be_typed(*options.poses, "DIR") : std::string()));
 }
 
 // Robots whose scans leave no surface to any submap.
@@ -292,7 +299,7 @@ std::vector<std::string> robots_without_surface(const Result& result) {
 }
 
 std::string next_step(const Result& result, const SummaryOptions& options, bool some_never_meet) {
-  const std::string folder = printable(options.output_folder, 60);
+  const std::string folder = to_be_typed(options.output_folder, "OUT");
   switch (result.system.state) {
     case MapState::kConsistent:
       if (options.papers_test) return "the paper's test compares pairs with each other, not with a length in metres";
@@ -330,7 +337,7 @@ std::string summary(const Result& result, const SummaryOptions& options) {
   const std::vector<std::string> never = robots_that_never_meet(result);
   if (!never.empty()) add_labelled(lines, "Never meet", fmt::format("{}", fmt::join(never, "; ")), 1);
   add_worst(lines, result, options);
-  add_labelled(lines, "Next", next_step(result, options, !never.empty()), 2);
+  add_labelled(lines, "Next", next_step(result, options, !never.empty()), 4);
   return fmt::format("{}\n", fmt::join(lines, "\n"));
 }
 

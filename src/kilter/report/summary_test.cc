@@ -137,6 +137,11 @@ TEST(Summary, TheAdviceNamesThePosesThatItNeedsAgain) {
   EXPECT_THAT(summary(result, options), Not(HasSubstr("--poses")));
   options.poses = "better";
   EXPECT_THAT(summary(result, options), HasSubstr("--poses better"));
+  // What is there to be typed is whole, or called what the help calls it.
+  options.output_folder = std::string(70, 'o');
+  EXPECT_THAT(summary(result, options), HasSubstr(" " + options.output_folder + " --poses better"));
+  options.output_folder += 'o';
+  EXPECT_THAT(summary(result, options), HasSubstr("--cuts OUT --poses better"));
 }
 
 TEST(Summary, GatesThatLeaveNoPairAreNamed) {
