@@ -285,7 +285,11 @@ def is_rigid(pair, tolerance_m):
     return ((pair["evidence"].get("bend_m") or {}).get("value") or 0.0) <= tolerance_m
 
 
+# Evidence that has a log ratio only where it decides without a registration that is believed: free space alone, a pose that
+# fits better, neighbours.
+WITNESSES = ("conflict", "support", "agreeing")
+
+
 def without_registration(pair):
-    """Whether a pair of result.json was judged by free space alone, or because something else fits better: no registration
-    of it is believed."""
-    return any(pair["evidence"].get(name, {}).get("log_ratio") is not None for name in ("conflict", "support", "agreeing"))
+    """Whether a pair of result.json was judged by one of the WITNESSES: no registration of it is believed."""
+    return any(pair["evidence"].get(name, {}).get("log_ratio") is not None for name in WITNESSES)

@@ -117,12 +117,15 @@ function undecided(pair: Pair): string {
   return "Not decided: look at both clouds and judge.";
 }
 
-/** Whether the right pose is not known, though a registration ended somewhere: the map's is wrong by free space, or because
- * another fits better, without a registration that is believed; or nothing was decided for that reason. Such a pair has no
- * constraint. */
+/** Evidence that has a log ratio only where it decides without a registration that is believed: free space alone, a pose
+ * that fits better, neighbours. */
+const WITNESSES = ["conflict", "support", "agreeing"];
+
+/** Whether the right pose is not known, though a registration may have ended somewhere: a witness says that the map's is
+ * wrong, or nothing was decided since the registration is not believed. Such a pair has no constraint. */
 export function correctionOpen(pair: Pair): boolean {
   if (pair.verdict === "unverified" && pair.p_value === null) return true;
-  return ["conflict", "support"].some((name) => (pair.evidence[name]?.log_ratio ?? null) !== null);
+  return WITNESSES.some((name) => (pair.evidence[name]?.log_ratio ?? null) !== null);
 }
 
 /** What to do about a pair, in plain words. */

@@ -136,7 +136,7 @@ await test("a card tells an offset only where a registration is believed", {}, a
   const cards = await page.evaluate(() =>
     [...document.querySelectorAll(".place")].map((card) => {
       const pair = window.kilter.state.pairs[Number(card.dataset.pair)];
-      const witness = ["conflict", "support"].some((name) => (pair.evidence[name]?.log_ratio ?? null) !== null);
+      const witness = ["conflict", "support", "agreeing"].some((name) => (pair.evidence[name]?.log_ratio ?? null) !== null);
       return { head: card.querySelector("b").textContent, believed: pair.p_value !== null || pair.verdict === "consistent", witness };
     }),
   );
@@ -249,7 +249,7 @@ await test("the table filters and sorts", {}, async (page) => {
 await test("a pair whose correction is open is not told how to mend it", {}, async (page) => {
   const said = await page.evaluate(() => {
     const { state } = window.kilter;
-    const witnesses = (pair) => ["conflict", "support"].filter((name) => (pair.evidence[name]?.log_ratio ?? null) !== null);
+    const witnesses = (pair) => ["conflict", "support", "agreeing"].filter((name) => (pair.evidence[name]?.log_ratio ?? null) !== null);
     const number = state.pairs.findIndex((pair) => pair.verdict === "inconsistent" && witnesses(pair).length === 0);
     const other = number === 0 ? 1 : 0;
     const words = () => {

@@ -127,7 +127,7 @@ Expected<std::vector<PairMeasurement>> measure_all(const std::vector<SubmapNode>
   return measured;
 }
 
-// Each pair alone, then those once more whose neighbours, believed alone, vouch for what it is doubted for.
+// Each pair alone, then those once more whose neighbours, believed alone, have something to say.
 std::vector<PairVerdict> judge_by_displacement(const std::vector<PairMeasurement>& measured,
                                                std::vector<PairEvidence>& evidence, const MapNull& null,
                                                const std::vector<SubmapNode>& nodes, const CheckOptions& options) {
@@ -137,11 +137,10 @@ std::vector<PairVerdict> judge_by_displacement(const std::vector<PairMeasurement
     verdicts.push_back(judge_pair(pair, null, options.judge));
     standings.push_back(standing_of(verdicts.back(), options.judge));
   }
-  const std::vector<int> vouching = vouching_for(nodes, measured, standings, options);
+  hear_neighbours(nodes, measured, standings, options, evidence);
   for (std::size_t i = 0; i < evidence.size(); ++i) {
-    if (vouching[i] == 0 || standings[i] != Standing::kDoubted) continue;
-    evidence[i].agreement.vouching = vouching[i];
-    verdicts[i] = judge_pair(evidence[i], null, options.judge);
+    const Agreement& heard = evidence[i].agreement;
+    if (heard.vouching > 0 || heard.movers > 0) verdicts[i] = judge_pair(evidence[i], null, options.judge);
   }
   return verdicts;
 }

@@ -13,6 +13,13 @@ namespace {
 constexpr double kWitnessConflict = 0.05;
 constexpr double kHalfAsGood = 0.5;
 
+// The middle of where a submap's sensor was, as the map has it.
+Eigen::Vector3d middle_world_m(const SubmapNode& node) {
+  Eigen::Vector3d sum_m = Eigen::Vector3d::Zero();
+  for (const Eigen::Vector3d& origin_m : node.origins_m) sum_m += origin_m;
+  return node.T_world_submap * (sum_m / static_cast<double>(std::max<std::size_t>(node.origins_m.size(), 1)));
+}
+
 // Where a pair lies on both journeys, without what it asks for.
 Correction place_of(std::span<const SubmapNode> nodes, const PairEvidence& evidence) {
   const SubmapNode& source = nodes[static_cast<std::size_t>(evidence.id.source.value)];
@@ -23,6 +30,7 @@ Correction place_of(std::span<const SubmapNode> nodes, const PairEvidence& evide
   correction.target_robot = target.robot;
   correction.source_path_m = 0.5 * (source.path_start_m + source.path_end_m);
   correction.target_path_m = 0.5 * (target.path_start_m + target.path_end_m);
+  correction.centre_world_m = 0.5 * (middle_world_m(source) + middle_world_m(target));
   return correction;
 }
 
@@ -50,14 +58,19 @@ AgreementOptions agreement_options(const CheckOptions& options) {
   return {.drift_per_metre = options.pairing.drift_per_metre};
 }
 
-Corrections corrections_of(std::span<const SubmapNode> nodes, std::span<const PairMeasurement> measured,
-                           const AgreementOptions& options) {
+Corrections corrections_of(std::span<const SubmapNode> nodes, std::span<const PairMeasurement> measured) {
   Corrections corrections;
   for (std::size_t i = 0; i < measured.size(); ++i) {
     if (!measured[i].evidence.registered) continue;
     corrections.all.push_back(correction_of(nodes, measured[i].evidence));
     corrections.pairs.push_back(i);
   }
+  return corrections;
+}
+
+Corrections compared_corrections_of(std::span<const SubmapNode> nodes, std::span<const PairMeasurement> measured,
+                                    const AgreementOptions& options) {
+  Corrections corrections = corrections_of(nodes, measured);
   corrections.agreements = compare_corrections({corrections.all, options});
   return corrections;
 }
@@ -87,7 +100,7 @@ Expected<void> reconsider_pairs(std::span<const SubmapNode> nodes, SubmapStore& 
                                 const RunContext& run, std::vector<PairMeasurement>& measured) {
   if (options.registration.method == RegistrationMethod::kOicp) return {};
   const AgreementOptions agreement = agreement_options(options);
-  const Corrections first = corrections_of(nodes, measured, agreement);
+  const Corrections first = compared_corrections_of(nodes, measured, agreement);
   store_agreements(first, measured);
   struct Try {
     std::size_t pair;
@@ -116,29 +129,27 @@ Expected<void> reconsider_pairs(std::span<const SubmapNode> nodes, SubmapStore& 
     PairEvidence& evidence = measured[tries[k].pair].evidence;
     if (is_worth_keeping(found[k], evidence)) evidence = std::move(found[k]);
   }
-  store_agreements(corrections_of(nodes, measured, agreement), measured);
+  store_agreements(compared_corrections_of(nodes, measured, agreement), measured);
   return {};
 }
 
-std::vector<int> vouching_for(std::span<const SubmapNode> nodes, std::span<const PairMeasurement> measured,
-                              std::span<const Standing> standings, const CheckOptions& options) {
-  const AgreementOptions agreement = agreement_options(options);
-  const Corrections corrections = corrections_of(nodes, measured, agreement);
+void hear_neighbours(std::span<const SubmapNode> nodes, std::span<const PairMeasurement> measured,
+                     std::span<const Standing> standings, const CheckOptions& options,
+                     std::span<PairEvidence> evidence) {
+  if (options.registration.method == RegistrationMethod::kOicp) return;
+  const Corrections corrections = corrections_of(nodes, measured);
   std::vector<Standing> of_corrections;
   of_corrections.reserve(corrections.pairs.size());
   for (const std::size_t i : corrections.pairs) of_corrections.push_back(standings[i]);
-  const CorrectionIndex index(corrections.all, agreement);
-  const std::vector<int> counts = count_vouching(index, of_corrections);
-  std::vector<int> vouching(measured.size(), 0);
-  for (std::size_t k = 0; k < counts.size(); ++k) vouching[corrections.pairs[k]] = counts[k];
+  const double tolerance_m = options.judge.tolerance_m;
+  const CorrectionIndex index(corrections.all, agreement_options(options));
+  const std::vector<int> vouching = count_vouching(index, of_corrections, tolerance_m);
+  for (std::size_t k = 0; k < vouching.size(); ++k) evidence[corrections.pairs[k]].agreement.vouching = vouching[k];
   for (std::size_t i = 0; i < measured.size(); ++i) {
-    const PairEvidence& evidence = measured[i].evidence;
-    if (evidence.registered || !(evidence.overlaps || measured[i].candidate.predicted_enough)) continue;
-    Correction pair = place_of(nodes, evidence);
-    pair.centre_world_m = nodes[static_cast<std::size_t>(evidence.id.source.value)].T_world_submap.translation_m();
-    vouching[i] = count_movers(index, of_corrections, pair, options.judge.tolerance_m);
+    const bool overlaps = evidence[i].overlaps || measured[i].candidate.predicted_enough;
+    if (evidence[i].registered || !overlaps) continue;
+    evidence[i].agreement.movers = count_movers(index, of_corrections, place_of(nodes, evidence[i]), tolerance_m);
   }
-  return vouching;
 }
 
 }  // namespace kilter

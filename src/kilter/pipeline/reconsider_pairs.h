@@ -22,11 +22,12 @@ namespace kilter {
                                               const CheckOptions& options, const RunContext& run,
                                               std::vector<PairMeasurement>& measured);
 
-/// How many believed pairs around each vouch for its correction, or would move it where it was not registered but
-/// overlaps, as the map has it or within what odometry may have drifted (Agreement::vouching). \param standings  of
-/// `measured`, in order, before anybody was vouched for
-[[nodiscard]] std::vector<int> vouching_for(std::span<const SubmapNode> nodes,
-                                            std::span<const PairMeasurement> measured,
-                                            std::span<const Standing> standings, const CheckOptions& options);
+/// How many believed pairs around each vouch for its move, or, of pairs that were not registered but overlap as the map
+/// has them or within what odometry may have drifted, would move it (Agreement::vouching, Agreement::movers). Does
+/// nothing to the paper's own registration. \param standings  of `measured`, in order, before anybody was heard
+/// \param evidence  of `measured`, in order
+void hear_neighbours(std::span<const SubmapNode> nodes, std::span<const PairMeasurement> measured,
+                     std::span<const Standing> standings, const CheckOptions& options,
+                     std::span<PairEvidence> evidence);
 
 }  // namespace kilter

@@ -4,6 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include <utility>
+#include <vector>
+
 #include "testing/moved_pair.h"
 
 namespace kilter {
@@ -39,7 +42,19 @@ PairMeasurement moved(const std::vector<SubmapNode>& nodes, int source, int targ
   return measured;
 }
 
-TEST(VouchingFor, CountsForDoubtedPairsAndForThoseThatWereNotRegistered) {
+// What is heard of each pair, in order: those that vouch, and those that would move it.
+std::vector<std::pair<int, int>> heard(const std::vector<SubmapNode>& nodes,
+                                       const std::vector<PairMeasurement>& measured,
+                                       const std::vector<Standing>& standings, const CheckOptions& options = {}) {
+  std::vector<PairEvidence> evidence;
+  for (const PairMeasurement& pair : measured) evidence.push_back(pair.evidence);
+  hear_neighbours(nodes, measured, standings, options, evidence);
+  std::vector<std::pair<int, int>> said;
+  for (const PairEvidence& pair : evidence) said.emplace_back(pair.agreement.vouching, pair.agreement.movers);
+  return said;
+}
+
+TEST(HearNeighbours, OfDoubtedPairsAndOfThoseThatWereNotRegistered) {
   const std::vector<SubmapNode> nodes = two_journeys();
   std::vector<PairMeasurement> measured = {moved(nodes, 3, 0, 2.0), moved(nodes, 4, 0, 2.0), moved(nodes, 4, 1, 2.0),
                                            moved(nodes, 5, 1, 2.0), moved(nodes, 3, 1, 0.0)};
@@ -48,12 +63,16 @@ TEST(VouchingFor, CountsForDoubtedPairsAndForThoseThatWereNotRegistered) {
   failed.registration->stop = StopReason::kTooFewMatches;
   using enum Standing;
   const std::vector<Standing> standings = {kMoves, kMoves, kMoves, kDoubted, kDoubted};
-  const CheckOptions options;
-  EXPECT_EQ(vouching_for(nodes, measured, standings, options), (std::vector{2, 2, 2, 3, 3}));
+  using Heard = std::vector<std::pair<int, int>>;
+  EXPECT_EQ(heard(nodes, measured, standings), (Heard{{0, 0}, {2, 0}, {0, 0}, {0, 0}, {0, 3}}))
+      << "some of its source and of its target: the second has both, the last one's failed";
   failed.overlaps = false;
-  EXPECT_EQ(vouching_for(nodes, measured, standings, options).back(), 0) << "perhaps they saw nothing in common";
+  EXPECT_EQ(heard(nodes, measured, standings).back().second, 0) << "perhaps they saw nothing in common";
   measured.back().candidate.predicted_enough = true;
-  EXPECT_EQ(vouching_for(nodes, measured, standings, options).back(), 3);
+  EXPECT_EQ(heard(nodes, measured, standings).back().second, 3);
+  CheckOptions papers;
+  papers.registration.method = RegistrationMethod::kOicp;
+  EXPECT_EQ(heard(nodes, measured, standings, papers), Heard(5));
 }
 
 }  // namespace

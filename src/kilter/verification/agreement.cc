@@ -14,6 +14,7 @@ constexpr double kSlack_m = 0.1;  // what a submap may be bent by
 constexpr double kSigmas = 2.0;
 constexpr double kInformative_m = 0.5;  // allowances below it always tell something
 constexpr double kInformativeShare = 0.5;
+constexpr double kSameShare = 0.5;  // of a move: what vouches for it is no farther from it
 constexpr int kSupported = 2;
 
 constexpr double kRounding_m = 1e-6;
@@ -47,24 +48,49 @@ bool is_informative(double allowance_m, double moved_m) {
   return allowance_m <= std::max(kInformative_m, kInformativeShare * moved_m);
 }
 
-enum class Say { kNothing, kSame, kOther };
+// How far two corrections may put one's place apart and still be the same.
+double allowance_m(const Correction& own, const Correction& other, const AgreementOptions& options) {
+  const double turn_m = other.sigma_rad * (own.centre_world_m - other.centre_world_m).norm();
+  const double sigma_m = std::sqrt(own.sigma_m * own.sigma_m + other.sigma_m * other.sigma_m + turn_m * turn_m);
+  return kSlack_m + kSigmas * sigma_m + options.drift_per_metre * way_m(own, other);
+}
 
-Say compare(const Correction& a, const Correction& b, const AgreementOptions& options) {
-  const Eigen::Vector3d to_a_m = a.T_world_correction * a.centre_world_m;
-  const Eigen::Vector3d to_b_m = b.T_world_correction * a.centre_world_m;
-  const Eigen::Vector3d shift_a_m = to_a_m - a.centre_world_m;
-  const Eigen::Vector3d shift_b_m = b.T_world_correction * b.centre_world_m - b.centre_world_m;
-  const double lever_m = (a.centre_world_m - b.centre_world_m).norm();
-  const double turn_m = b.sigma_rad * lever_m;
-  const double sigma_m = std::sqrt(a.sigma_m * a.sigma_m + b.sigma_m * b.sigma_m + turn_m * turn_m);
-  const double allowance_m = kSlack_m + kSigmas * sigma_m + options.drift_per_metre * way_m(a, b);
-  const double asked_m = std::max(shift_a_m.norm(), shift_b_m.norm());
-  if (!is_informative(allowance_m, asked_m)) return Say::kNothing;
+Eigen::Vector3d shift_m(const Correction& correction, const Eigen::Vector3d& place_m) {
+  return correction.T_world_correction * place_m - place_m;
+}
+
+// Two corrections at the first one's place.
+struct Comparison {
+  double own_m = 0.0;    // how far the first asks to move
+  double other_m = 0.0;  // the second, where its own overlap is
+  double apart_m = 0.0;
+  double allowance_m = 0.0;
+
+  [[nodiscard]] bool tells() const { return is_informative(allowance_m, std::max(own_m, other_m)); }
+  [[nodiscard]] bool same() const { return tells() && apart_m <= allowance_m; }
+  [[nodiscard]] bool other() const { return tells() && apart_m > allowance_m; }
+};
+
+Comparison compare(const Correction& own, const Correction& other, const AgreementOptions& options) {
+  const Eigen::Vector3d own_m = shift_m(own, own.centre_world_m);
+  const Eigen::Vector3d other_m = shift_m(other, other.centre_world_m);
   // Carried over as one rigid motion, or as the same shift: where each submap is tilted in its own way, as odometry
   // without a tilt sensor leaves them, the turn of one says nothing about the other.
-  const double apart_m = std::min((to_a_m - to_b_m).norm(), (shift_a_m - shift_b_m).norm());
-  return apart_m <= allowance_m ? Say::kSame : Say::kOther;
+  const double apart_m = std::min((own_m - shift_m(other, own.centre_world_m)).norm(), (own_m - other_m).norm());
+  return {own_m.norm(), other_m.norm(), apart_m, allowance_m(own, other, options)};
 }
+
+// Whether some pairs share their source with one, and some their target.
+struct Sides {
+  bool source = false;
+  bool target = false;
+
+  void add(const PairId& own, const PairId& other) {
+    source = source || other.source == own.source;
+    target = target || other.target == own.target;
+  }
+  [[nodiscard]] bool both() const { return source && target; }
+};
 
 }  // namespace
 
@@ -102,11 +128,11 @@ std::vector<Agreement> compare_corrections(const CorrectionIndex& index) {
     double nearest_m = options.neighbourhood_m;
     for (const std::size_t k : index.near(own)) {
       const Correction& other = corrections[k];
-      const Say say = compare(own, other, options);
-      if (say == Say::kOther && close_over_same_way(own, other)) {
+      const Comparison here = compare(own, other, options);
+      if (here.other() && close_over_same_way(own, other)) {
         ++agreement.contradicting;
         agreement.contradicting_weight += other.weight;
-      } else if (say == Say::kSame) {
+      } else if (here.same()) {
         ++agreement.agreeing;
         agreement.agreeing_weight += other.weight;
         if (way_m(own, other) <= nearest_m) {
@@ -119,50 +145,56 @@ std::vector<Agreement> compare_corrections(const CorrectionIndex& index) {
   return agreements;
 }
 
-std::vector<int> count_vouching(const CorrectionIndex& index, std::span<const Standing> standings) {
+std::vector<int> count_vouching(const CorrectionIndex& index, std::span<const Standing> standings, double tolerance_m) {
   const std::span<const Correction> corrections = index.corrections();
   std::vector<int> vouching(corrections.size(), 0);
   for (std::size_t i = 0; i < corrections.size(); ++i) {
     const Correction& own = corrections[i];
+    int count = 0;
     bool denied = false;
+    Sides sides;
     for (const std::size_t k : index.near(own)) {
       if (standings[k] == Standing::kDoubted || !close_over_same_way(own, corrections[k])) continue;
-      const Say say = compare(own, corrections[k], index.options());
-      if (standings[k] == Standing::kMoves && say == Say::kSame) ++vouching[i];
-      if (standings[k] == Standing::kStays && say == Say::kOther) denied = true;
+      const Comparison here = compare(own, corrections[k], index.options());
+      denied = denied || (standings[k] == Standing::kStays && here.other());
+      if (standings[k] != Standing::kMoves || !here.same() || here.apart_m > kSameShare * here.own_m) continue;
+      if (std::min(here.own_m, here.other_m) <= tolerance_m) continue;
+      ++count;
+      sides.add(own.id, corrections[k].id);
     }
-    if (denied) vouching[i] = 0;
+    if (!denied && sides.both()) vouching[i] = count;
   }
   return vouching;
 }
 
 int count_movers(const CorrectionIndex& index, std::span<const Standing> standings, const Correction& pair,
                  double tolerance_m) {
-  struct Place {
+  struct Neighbour {
+    std::size_t number;
     Eigen::Vector3d to_m;
+    double moved_m;
     double allowance_m;
   };
-  std::vector<Place> places;
-  bool of_source = false;
-  bool of_target = false;
+  std::vector<Neighbour> neighbours;
+  double most_m = 0.0;
   for (const std::size_t k : index.near(pair)) {
     const Correction& other = index.corrections()[k];
     if (standings[k] == Standing::kDoubted || !close_over_same_way(pair, other)) continue;
-    const Eigen::Vector3d to_m = other.T_world_correction * pair.centre_world_m;
-    const double moved_m = (to_m - pair.centre_world_m).norm();
-    const double turn_m = other.sigma_rad * (pair.centre_world_m - other.centre_world_m).norm();
-    const double allowance_m =
-        kSlack_m + kSigmas * std::hypot(other.sigma_m, turn_m) + index.options().drift_per_metre * way_m(pair, other);
-    if (!is_informative(allowance_m, moved_m)) continue;
-    if (standings[k] == Standing::kStays || moved_m - allowance_m <= tolerance_m) return 0;
-    for (const Place& place : places) {
-      if ((place.to_m - to_m).norm() > place.allowance_m + allowance_m) return 0;
-    }
-    places.push_back({to_m, allowance_m});
-    of_source = of_source || other.id.source == pair.id.source;
-    of_target = of_target || other.id.target == pair.id.target;
+    const Eigen::Vector3d rigid_m = shift_m(other, pair.centre_world_m);
+    const double moved_m = std::min(rigid_m.norm(), shift_m(other, other.centre_world_m).norm());
+    neighbours.push_back({k, rigid_m, moved_m, allowance_m(pair, other, index.options())});
+    most_m = std::max(most_m, moved_m);
   }
-  return of_source && of_target ? static_cast<int>(places.size()) : 0;
+  std::erase_if(neighbours, [&](const Neighbour& one) { return !is_informative(one.allowance_m, most_m); });
+  Sides sides;
+  for (const Neighbour& one : neighbours) {
+    if (standings[one.number] == Standing::kStays || one.moved_m - one.allowance_m <= tolerance_m) return 0;
+    for (const Neighbour& other : neighbours) {
+      if ((one.to_m - other.to_m).norm() > one.allowance_m + other.allowance_m) return 0;
+    }
+    sides.add(pair.id, index.corrections()[one.number].id);
+  }
+  return sides.both() ? static_cast<int>(neighbours.size()) : 0;
 }
 
 std::optional<std::size_t> suggest_correction(const CorrectionIndex& index, std::span<const Agreement> agreements,

@@ -35,9 +35,10 @@ struct Agreement {
   double agreeing_weight = 0.0;
   double contradicting_weight = 0.0;
   std::optional<PairId> nearest_agreeing;  ///< the one with the shortest way along both journeys
-  /// How many of those that are believed on their own and move ask for the same (count_vouching); where it asks for
-  /// nothing, how many would move it (count_movers).
+  /// How many of those that are believed on their own ask for the same (count_vouching); of a pair that was not
+  /// registered, how many would move it (count_movers).
   int vouching = 0;
+  int movers = 0;
 
   /// Next to nothing around asks for the same, and something unambiguous asks for something else. Neighbours beyond a
   /// slip rightly ask for something else, so a few that agree are enough.
@@ -89,15 +90,20 @@ enum class Standing {
   kStays,    ///< believed: the map's pose is right
 };
 
-/// Who vouches for each correction: pairs near it that move, ask for the same, and close over some of the same way
-/// within one robot; none at all if one that stays asks for something else. \param standings  of each, in order
-/// \return how many, in order. Cost as above.
-[[nodiscard]] std::vector<int> count_vouching(const CorrectionIndex& index, std::span<const Standing> standings);
+/// How many of the pairs around each vouch for the move that it asks for: believed ones that move, and ask for the same
+/// as compare_corrections has it and by half of the move at most, so that what odometry may have bent is not taken for
+/// a move. 0 unless one of them shares its source and one its target (or a slip beside one of the two would explain
+/// it), or if a believed one that stays asks for something else. Moves below `tolerance_m` at the overlap's middle,
+/// pure turns about it among them, are not vouched for. Within one robot only pairs that close over some of the same
+/// way count. \param standings  of each, in order \return a number each, in order. O(n times the pairs within a
+/// neighbourhood).
+[[nodiscard]] std::vector<int> count_vouching(const CorrectionIndex& index, std::span<const Standing> standings,
+                                              double tolerance_m);
 
 /// The same for a pair that was not registered and asks for nothing: how many of those around it would move the place
-/// at `pair.centre_world_m` by more than `tolerance_m` (any stretch of way bends by what odometry is allowed). 0 unless
-/// they put it to the same place, one of them shares its source and one its target, so that a slip beside one of the
-/// two is no explanation, and none that could tell leaves it where it is. O(pairs within a neighbourhood, squared).
+/// at `pair.centre_world_m` by more than `tolerance_m` and what odometry may have bent on the way. 0 unless they put it
+/// to the same place, one of them shares its source and one its target, and no believed one that could tell leaves it
+/// where it is. O(pairs within a neighbourhood, squared).
 [[nodiscard]] int count_movers(const CorrectionIndex& index, std::span<const Standing> standings,
                                const Correction& pair, double tolerance_m);
 

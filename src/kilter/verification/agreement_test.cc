@@ -116,71 +116,115 @@ TEST(CompareCorrections, AmbiguousNeighboursAreNotEnoughToContradict) {
   EXPECT_FALSE(compared(corrections)[0].contradicted());
 }
 
-std::vector<int> vouched(const std::vector<Correction>& corrections, const std::vector<Standing>& standings) {
-  return count_vouching({corrections, {}}, standings);
+using enum Standing;
+
+// Source i against target k of the other robot, ten metres of journey each.
+Correction pair_asking(int i, int k, const Eigen::Vector3d& shift_m) {
+  Correction correction = asking(i, shift_m);
+  correction.id = {{10 + i}, {k}};
+  correction.target_path_m = 10.0 * k;
+  return correction;
+}
+
+// Of 1 against 1, with one that shares its source and one that shares its target.
+std::vector<int> vouched(const Eigen::Vector3d& own_m, const Eigen::Vector3d& others_m,
+                         const std::vector<Standing>& standings = {kDoubted, kMoves, kMoves}) {
+  const std::vector<Correction> corrections = {pair_asking(1, 1, own_m), pair_asking(1, 2, others_m),
+                                               pair_asking(2, 1, others_m)};
+  return count_vouching({corrections, {}}, standings, 0.1);
 }
 
 TEST(CountVouching, CountsThoseThatAreBelievedAndAskForTheSame) {
-  std::vector<Correction> corrections;
-  for (int i = 0; i < 4; ++i) corrections.push_back(asking(i, {3.0, 0.5, 0.0}));
-  using enum Standing;
-  EXPECT_EQ(vouched(corrections, {kDoubted, kMoves, kMoves, kMoves}), (std::vector{2, 2, 2, 2}))
-      << "3 lies beyond the neighbourhood of 0, and 0 vouches for nobody";
-  corrections[2] = asking(2, {0.0, 4.0, 0.0});
-  EXPECT_EQ(vouched(corrections, {kDoubted, kMoves, kMoves, kMoves})[0], 1) << "beyond a slip others ask for others";
+  const Eigen::Vector3d move_m(3.0, 0.5, 0.0);
+  EXPECT_EQ(vouched(move_m, move_m)[0], 2);
+  EXPECT_EQ(vouched(move_m, {0.0, 4.0, 0.0})[0], 0);
+  EXPECT_EQ(vouched(move_m, move_m, {kDoubted, kDoubted, kDoubted})[0], 0) << "storeys that all fit each other";
+}
+
+// What odometry may bend on the way is no move, though both may lie within it.
+TEST(CountVouching, SmallMovesHaveToBeTheSameMove) {
+  EXPECT_EQ(vouched({0.2, 0.0, 0.0}, {0.25, 0.05, 0.0})[0], 2);
+  EXPECT_EQ(vouched({0.15, 0.0, 0.0}, {-0.15, 0.0, 0.0})[0], 0) << "nearer than the allowance, but another way";
+  EXPECT_EQ(vouched({0.15, 0.0, 0.0}, {0.08, 0.0, 0.0})[0], 0) << "below the tolerance";
+  EXPECT_EQ(vouched({0.08, 0.0, 0.0}, {0.15, 0.0, 0.0})[0], 0);
+}
+
+TEST(CountVouching, ASlipBesideOneOfTheTwoIsNoReason) {
+  const Eigen::Vector3d move_m(3.0, 0.5, 0.0);
+  EXPECT_EQ(vouched(move_m, move_m, {kDoubted, kMoves, kDoubted})[0], 0);
+  EXPECT_EQ(vouched(move_m, move_m, {kDoubted, kDoubted, kMoves})[0], 0);
 }
 
 TEST(CountVouching, NobodyVouchesForAMoveThatABelievedNeighbourDenies) {
-  using enum Standing;
-  std::vector<Correction> corrections;
-  for (int i = 0; i < 3; ++i) corrections.push_back(asking(i, {3.0, 0.5, 0.0}));
-  corrections.push_back(asking(1, {0.01, 0.0, 0.0}));
-  corrections.back().id = {{11}, {2}};
-  EXPECT_EQ(vouched(corrections, {kDoubted, kMoves, kMoves, kStays})[0], 0);
-  EXPECT_EQ(vouched(corrections, {kDoubted, kMoves, kMoves, kDoubted})[0], 2) << "if it is believed itself";
+  const Eigen::Vector3d move_m(3.0, 0.5, 0.0);
+  const std::vector<Correction> corrections = {pair_asking(1, 1, move_m), pair_asking(1, 2, move_m),
+                                               pair_asking(2, 1, move_m), pair_asking(0, 1, {0.01, 0.0, 0.0})};
+  const CorrectionIndex index(corrections, {});
+  const std::vector<Standing> stays = {kDoubted, kMoves, kMoves, kStays};
+  const std::vector<Standing> doubted = {kDoubted, kMoves, kMoves, kDoubted};
+  EXPECT_EQ(count_vouching(index, stays, 0.1)[0], 0);
+  EXPECT_EQ(count_vouching(index, doubted, 0.1)[0], 2);
 }
 
 TEST(CountVouching, OfOneRobotOnlyThoseThatCloseOverTheSameWay) {
   const auto across = [](int source, int target) {
-    Correction correction = asking(source, {0.5, 0.0, 0.0});
+    Correction correction = pair_asking(source, target, {0.5, 0.0, 0.0});
     correction.id = {{source}, {target}};
     correction.source_robot = 0;
-    correction.target_path_m = 10.0 * target;
     return correction;
   };
-  using enum Standing;
-  EXPECT_EQ(vouched({across(2, 1), across(3, 2)}, {kDoubted, kMoves})[0], 0) << "that is another slip";
-  EXPECT_EQ(vouched({across(2, 1), across(3, 1)}, {kDoubted, kMoves})[0], 1);
+  const std::vector<Correction> corrections = {across(2, 1), across(2, 0), across(3, 1), across(1, 0), across(3, 2)};
+  const CorrectionIndex index(corrections, {});
+  const std::vector<Standing> around = {kDoubted, kMoves, kMoves, kDoubted, kDoubted};
+  const std::vector<Standing> beside = {kDoubted, kDoubted, kDoubted, kMoves, kMoves};
+  EXPECT_EQ(count_vouching(index, around, 0.1)[0], 2);
+  EXPECT_EQ(count_vouching(index, beside, 0.1)[0], 0) << "those are other slips";
 }
 
-// Source i against target k, which was not registered.
-Correction place_of(int i, int k) {
-  Correction pair = asking(i, Eigen::Vector3d::Zero());
-  pair.id = {{10 + i}, {k}};
-  pair.target_path_m = 10.0 * k;
-  return pair;
+// Of source 1 against target 2, which was not registered.
+int movers(const std::vector<Correction>& around, const std::vector<Standing>& standings, double tolerance_m = 0.1) {
+  Correction pair = pair_asking(1, 2, Eigen::Vector3d::Zero());
+  pair.sigma_m = pair.sigma_rad = 0.0;
+  return count_movers({around, {}}, standings, pair, tolerance_m);
 }
 
 TEST(CountMovers, NeedsSomeOfItsSourceAndOfItsTargetThatPutItToOnePlace) {
-  using enum Standing;
-  const auto pair = [](int i, int k, const Eigen::Vector3d& shift_m) {
-    Correction correction = place_of(i, k);
-    correction.T_world_correction = Pose3::from_translation(shift_m.x(), shift_m.y(), shift_m.z());
-    return correction;
-  };
-  const Eigen::Vector3d shift_m(3.0, 0.0, 0.0);
-  std::vector<Correction> around = {pair(1, 0, shift_m), pair(1, 1, shift_m), pair(2, 2, shift_m)};
-  const std::vector<Standing> moves(3, kMoves);
-  const auto movers = [&](const std::vector<Standing>& standings, double tolerance_m = 0.1) {
-    return count_movers({around, {}}, standings, place_of(1, 2), tolerance_m);
-  };
-  EXPECT_EQ(movers(moves), 3);
-  EXPECT_EQ(movers(moves, 2.9), 0) << "what odometry may bend on the way could explain it";
-  EXPECT_EQ(movers({kMoves, kMoves, kDoubted}), 0) << "none of its target: odometry may have slipped beside it";
-  EXPECT_EQ(movers({kDoubted, kDoubted, kMoves}), 0) << "none of its source";
-  EXPECT_EQ(movers({kMoves, kStays, kMoves}), 0);
-  around[2] = pair(2, 2, {0.0, 3.0, 0.0});
-  EXPECT_EQ(movers(moves), 0) << "they do not put it to the same place";
+  const Eigen::Vector3d move_m(3.0, 0.0, 0.0);
+  std::vector<Correction> around = {pair_asking(1, 0, move_m), pair_asking(1, 1, move_m), pair_asking(2, 2, move_m)};
+  const std::vector<Standing> all_move(3, kMoves);
+  EXPECT_EQ(movers(around, all_move), 3);
+  EXPECT_EQ(movers(around, all_move, 2.9), 0) << "what odometry may bend on the way could explain it";
+  EXPECT_EQ(movers(around, {kMoves, kMoves, kDoubted}), 0) << "none of its target";
+  EXPECT_EQ(movers(around, {kDoubted, kDoubted, kMoves}), 0) << "none of its source";
+  around[2] = pair_asking(2, 2, {0.0, 3.0, 0.0});
+  EXPECT_EQ(movers(around, all_move), 0) << "they do not put it to the same place";
+}
+
+TEST(CountMovers, OneThatStaysDenies) {
+  const Eigen::Vector3d move_m(3.0, 0.0, 0.0);
+  std::vector<Correction> around = {pair_asking(1, 0, move_m), pair_asking(1, 1, move_m), pair_asking(2, 2, move_m),
+                                    pair_asking(2, 3, Eigen::Vector3d::Zero())};
+  const std::vector<Standing> standings = {kMoves, kMoves, kMoves, kStays};
+  EXPECT_EQ(movers(around, standings), 0);
+  around[3].sigma_m = 0.4;  // far better known than what the others ask for
+  EXPECT_EQ(movers(around, standings), 0);
+  around[3].sigma_m = 2.0;
+  EXPECT_EQ(movers(around, standings), 3) << "it could not tell";
+}
+
+// A turn about a far place moves what is near little, or much; what both say is enough.
+TEST(CountMovers, ATurnElsewhereIsNoMove) {
+  std::vector<Correction> around = {pair_asking(1, 0, Eigen::Vector3d::Zero()),
+                                    pair_asking(1, 1, Eigen::Vector3d::Zero()),
+                                    pair_asking(2, 2, Eigen::Vector3d::Zero())};
+  for (Correction& one : around) {
+    one.centre_world_m = {-50.0, 0.0, 0.0};
+    Vector6 turn = Vector6::Zero();
+    turn[5] = 0.05;
+    const Pose3 about = Pose3::exp(turn);
+    one.T_world_correction = {about.rotation(), one.centre_world_m - about.rotation() * one.centre_world_m};
+  }
+  EXPECT_EQ(movers(around, std::vector<Standing>(3, kMoves)), 0);
 }
 
 TEST(SuggestCorrection, TakesWhatTheNeighboursAgreeOn) {

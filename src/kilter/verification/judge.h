@@ -88,8 +88,9 @@ struct MapNull {
 
 /// First judge: the displacement found by registration against the tolerance, believed only if registration made the
 /// pair agree better and left no more conflict than other pairs of the map show (steps F10-F12). Where it cannot be
-/// believed, free space or a pose that fits better may still say that the map's is wrong. `inconsistent` is
-/// decided later, over the map, by judge_map: until then such pairs are kUnverified with a small p_value.
+/// believed, free space, a pose that fits better or believed neighbours may still say that the map's is wrong.
+/// `inconsistent` is decided later, over the map, by judge_map: until then such pairs are kUnverified with a small
+/// p_value.
 [[nodiscard]] PairVerdict judge_pair(const PairEvidence& pair, const MapNull& null, const JudgeOptions& options);
 
 /// What a verdict says of the correction that its pair's registration asks for, to those around it. \param verdict  by

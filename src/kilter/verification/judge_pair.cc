@@ -34,8 +34,6 @@ constexpr double kWrongWhenDoubted = 0.25;
 constexpr double kLeavesRightPlace = 0.0025;
 // An ambiguous registration is believed if this many around it agree.
 constexpr int kSupported = 2;
-// A pair whose displacement is no chance at this level is believed, and may vouch for others.
-constexpr double kBelieved = 1e-4;
 
 double conflict_limit(const MapNull& null) {
   return null.conflict + std::max(kConflictSpreads * null.conflict_spread, kConflictSlack);
@@ -83,12 +81,14 @@ void note_support(const RegistrationResult& registration, const Agreement& agree
   if (registration.ambiguity) verdict.evidence["ambiguity"].value = *registration.ambiguity;
 }
 
-// With some probability the registration is wrong, and what it found is as likely either way.
-void disbelieve(const PairEvidence& pair, const MapNull& null, const JudgeOptions& options, PairVerdict& verdict) {
+// With some probability the registration is wrong, and what it found is as likely either way. `vouched`: others around
+// it, which nothing misleads, found the same.
+void disbelieve(const PairEvidence& pair, const MapNull& null, bool vouched, const JudgeOptions& options,
+                PairVerdict& verdict) {
   verdict.p_value.reset();
   std::optional<double>& log_ratio = verdict.evidence.at("disagreement").log_ratio;
   const bool above = *log_ratio > 0.0;
-  const bool telling = above && (is_vouched_for(pair) || (!conflict_grew(pair) && !surfaces_may_differ(pair, null)));
+  const bool telling = above && (vouched || (!conflict_grew(pair) && !surfaces_may_differ(pair, null)));
   const double wrong = telling ? kLeavesRightPlace : kWrongWhenDoubted;
   const double strength = std::log(wrong + (1.0 - wrong) * std::exp(-std::abs(*log_ratio)));
   log_ratio = above ? -strength : strength;
@@ -227,10 +227,16 @@ std::string registration_failure(const PairEvidence& pair) {
   return fmt::format("registration failed: {}", to_string(pair.registration->stop));
 }
 
+// Whether those around it ask for the move beyond the tolerance that its registration found.
+bool move_is_vouched_for(const PairEvidence& pair, const JudgeOptions& options) {
+  return pair.registered && is_vouched_for(pair) &&
+         estimate_offset(*pair.registration, pair.T_target_source).offset_m > options.tolerance_m;
+}
+
 // Why there is no displacement to judge; empty if there is one.
-std::string nothing_to_compare(const PairEvidence& pair, const MapNull& null) {
-  if (!pair.overlaps && !pair.registered) return pair.gate;
-  if (shows_no_common_side(pair, null) && !(pair.registered && is_vouched_for(pair))) {
+std::string nothing_to_compare(const PairEvidence& pair, const MapNull& null, const JudgeOptions& options) {
+  if (!pair.overlaps && !pair.registered) return pair.gate.empty() ? "too little overlap" : pair.gate;
+  if (shows_no_common_side(pair, null) && !move_is_vouched_for(pair, options)) {
     return fmt::format(
         "too little overlap: of {} voxels that match, {} show a side that both saw, and no free space speaks against "
         "the map: the places may differ",
@@ -242,9 +248,9 @@ std::string nothing_to_compare(const PairEvidence& pair, const MapNull& null) {
 PairVerdict judge_displacement(const PairEvidence& pair, const MapNull& null, const JudgeOptions& options) {
   PairVerdict verdict;
   note_measurements(pair, null, verdict);
-  verdict.reason = nothing_to_compare(pair, null);
+  verdict.reason = nothing_to_compare(pair, null, options);
   if (!verdict.reason.empty()) {
-    if (!pair.registered) let_neighbours_speak(pair, options, verdict);
+    if (!pair.registered) let_movers_speak(pair, options, verdict);
     return verdict;
   }
   verdict.unobservable = pair.registration->unobservable;
@@ -262,13 +268,10 @@ PairVerdict judge_displacement(const PairEvidence& pair, const MapNull& null, co
   const auto call_doubtful = [&](std::string reason) {
     verdict.reason = std::move(reason);
     const double p_value = *verdict.p_value;
-    disbelieve(pair, null, options, verdict);
-    if (!moved) return;
-    if (contradicted(pair)) {
-      let_better_fit_speak(pair, p_value, verdict);
-    } else {
-      let_neighbours_speak(pair, p_value, verdict);
-    }
+    const bool vouched = moved && !contradicted(pair) && is_vouched_for(pair);
+    disbelieve(pair, null, vouched, options, verdict);
+    if (vouched) let_neighbours_speak(pair, p_value, verdict);
+    if (moved && contradicted(pair)) let_better_fit_speak(pair, p_value, verdict);
   };
   if (const std::string why_not = doubt(pair, null, verdict.rigid || moved); !why_not.empty()) {
     call_doubtful(fmt::format("{}; {}", measured, why_not));
@@ -328,8 +331,8 @@ std::vector<OptionField> fields(JudgeOptions& o) {
 
 Standing standing_of(const PairVerdict& verdict, const JudgeOptions& options) {
   if (verdict.verdict == Verdict::kConsistent) return Standing::kStays;
-  const bool believed = verdict.p_value && *verdict.p_value <= kBelieved && !verdict.without_registration;
-  return believed && *verdict.offset_m > options.tolerance_m ? Standing::kMoves : Standing::kDoubted;
+  const bool believed = verdict.p_value && *verdict.p_value <= kSurely && !verdict.without_registration;
+  return believed && (*verdict.offset_interval_m)[0] > options.tolerance_m ? Standing::kMoves : Standing::kDoubted;
 }
 
 bool is_rigid(const RegistrationResult& registration, const JudgeOptions& options) {

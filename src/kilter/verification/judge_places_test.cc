@@ -65,52 +65,5 @@ TEST(JudgePlaces, AMoveThatFreeSpaceKnowsNothingOfNeedsMostOfASideInCommon) {
   EXPECT_EQ(verdict_of(pair), Verdict::kInconsistent);
 }
 
-// A storey above fits as well and its neighbours ask for the same, but none of them is believed on its own.
-TEST(JudgePlaces, AMoveThatFreeSpaceIsAgainstIsHeardIfBelievedNeighboursAskForIt) {
-  PairEvidence pair = pair_moved(3.5, 0.01);
-  pair.map.conflict = {};  // where the map has it there is nothing that both know
-  pair.registration->support_start = 0;
-  pair.registered->conflict = {{1000, 10}, {1000, 10}};
-  pair.agreement.agreeing = 13;
-  pair.agreement.agreeing_weight = 13.0;
-  EXPECT_EQ(verdict_of(pair), Verdict::kUnverified);
-  EXPECT_FALSE(judge_pair(pair, kNull, {}).p_value);
-  pair.agreement.vouching = 1;
-  EXPECT_EQ(verdict_of(pair), Verdict::kUnverified);
-  pair.agreement.vouching = 2;
-  const PairVerdict verdict = judge_pair(pair, kNull, {});
-  EXPECT_EQ(verdict_of(pair), Verdict::kInconsistent);
-  ASSERT_TRUE(verdict.without_registration) << "which is no reason to hand its own registration on";
-  EXPECT_EQ(verdict.without_registration->find("2 pairs around it"), 0U) << *verdict.without_registration;
-  EXPECT_FALSE(verdict.disagreement_most_m);
-  EXPECT_EQ(standing_of(verdict, {}), Standing::kDoubted) << "it vouches for nobody";
-  pair.agreement.contradicting_weight = 3.0;
-  pair.agreement.agreeing_weight = 1.0;
-  pair.registration->searched = true;
-  EXPECT_EQ(verdict_of(pair), Verdict::kUnverified) << "contradicted by more";
-}
-
-TEST(JudgePlaces, APairThatShowsNothingIsMovedByItsNeighbours) {
-  PairEvidence pair = pair_moved(0.0, 0.01);
-  pair.registration->stop = StopReason::kTooFewMatches;
-  pair.registered.reset();
-  pair.agreement.vouching = 2;
-  EXPECT_EQ(verdict_of(pair), Verdict::kUnverified);
-  pair.agreement.vouching = 3;
-  const PairVerdict verdict = judge_pair(pair, kNull, {});
-  EXPECT_EQ(verdict_of(pair), Verdict::kInconsistent);
-  EXPECT_NEAR(*verdict.log_odds, std::log(500.0 * 0.05 / 0.95), 1e-9);
-  EXPECT_FALSE(verdict.offset_m);
-}
-
-TEST(JudgePlaces, OnlyWhatIsBelievedStandsForSomething) {
-  EXPECT_EQ(standing_of(judge_pair(pair_moved(0.02, 0.005), kNull, {}), {}), Standing::kStays);
-  EXPECT_EQ(standing_of(judge_pair(pair_moved(0.25, 0.01), kNull, {}), {}), Standing::kMoves);
-  EXPECT_EQ(standing_of(judge_pair(pair_moved(0.11, 0.01), kNull, {}), {}), Standing::kDoubted);
-  PairEvidence bent = pair_moved(0.02, 0.005);
-  bent.registration->bend.rms_m = 0.4;
-  EXPECT_EQ(standing_of(judge_pair(bent, kNull, {}), {}), Standing::kDoubted) << "it asks for no move";
-}
-
 }  // namespace
 }  // namespace kilter

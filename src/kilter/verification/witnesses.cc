@@ -33,7 +33,6 @@ constexpr double kConflictMayGrow = 1.5;
 constexpr double kMovingShare = 0.2;
 constexpr double kConflictSampling = 0.02;  // standard deviation of such a share
 constexpr double kFewestKnown = 400.0;      // voxels, of both submaps, or cells, that it has to stand on
-constexpr double kSurely = 1e-4;            // a displacement of this p-value needs no other witness
 // A right pose is left this seldom for one that fits better, beyond chance, and that its neighbours contradict: upper
 // 95 % bound over the good pairs of `benchmarks/accuracy/run`, of which none was.
 constexpr double kLeftForBetter = 0.002;
@@ -158,15 +157,13 @@ void let_better_fit_speak(const PairEvidence& pair, double p_value, PairVerdict&
       verdict);
 }
 
-bool is_vouched_for(const PairEvidence& pair) {
-  return pair.agreement.vouching >= (pair.registered ? kVouching : kMovers);
-}
+bool is_vouched_for(const PairEvidence& pair) { return pair.agreement.vouching >= kVouching; }
 
 void let_neighbours_speak(const PairEvidence& pair, double p_value, PairVerdict& verdict) {
-  if (!is_vouched_for(pair)) return;
+  const std::optional<double> log_ratio = verdict.evidence.at("disagreement").log_ratio;
+  if (!is_vouched_for(pair) || *log_ratio <= 0.0) return;
   verdict.evidence["agreeing"] = {static_cast<double>(pair.agreement.agreeing),
-                                  static_cast<double>(pair.agreement.contradicting),
-                                  verdict.evidence.at("disagreement").log_ratio};
+                                  static_cast<double>(pair.agreement.contradicting), log_ratio};
   decide_without_registration(
       std::max(p_value, kDeniedByNeighbours),
       fmt::format("{} pairs around it that are believed on their own ask for the same move; its own registration does "
@@ -175,16 +172,16 @@ void let_neighbours_speak(const PairEvidence& pair, double p_value, PairVerdict&
       verdict);
 }
 
-void let_neighbours_speak(const PairEvidence& pair, const JudgeOptions& options, PairVerdict& verdict) {
-  if (!is_vouched_for(pair)) return;
+void let_movers_speak(const PairEvidence& pair, const JudgeOptions& options, PairVerdict& verdict) {
+  if (pair.agreement.movers < kMovers) return;
   const double log_ratio = -std::log(kDeniedByNeighbours);
-  verdict.evidence["agreeing"] = {static_cast<double>(pair.agreement.vouching), 0.0, log_ratio};
+  verdict.evidence["agreeing"] = {static_cast<double>(pair.agreement.movers), 0.0, log_ratio};
   set_posterior(log_ratio, options, verdict);
   decide_without_registration(
       kDeniedByNeighbours,
       fmt::format("{} pairs around it that are believed on their own would move it by more than the tolerance, all to "
                   "the same place; itself it shows nothing ({})",
-                  pair.agreement.vouching, verdict.reason),
+                  pair.agreement.movers, verdict.reason),
       verdict);
 }
 

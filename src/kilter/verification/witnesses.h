@@ -11,6 +11,9 @@ namespace kilter {
 /// Of the overlap at the map's pose, a fit that keeps less found something else.
 inline constexpr double kOverlapKept = 0.8;
 
+/// A displacement of this p-value needs no other witness, and may vouch for others.
+inline constexpr double kSurely = 1e-4;
+
 /// Only keeps numbers finite: log odds rank pairs whose probability has long come out as 1.
 inline constexpr double kMaxLogOdds = 1e6;
 
@@ -41,15 +44,14 @@ void let_free_space_speak(const PairEvidence& pair, const MapNull& null, const J
 /// \param p_value  of the displacement, were it believed
 void let_better_fit_speak(const PairEvidence& pair, double p_value, PairVerdict& verdict);
 
-/// Whether enough of its neighbours, believed on their own, ask for the move that registration found; or, where none
-/// found anything, would move the pair.
+/// Whether enough of its neighbours, believed on their own, vouch for the move that registration found.
 [[nodiscard]] bool is_vouched_for(const PairEvidence& pair);
 
 /// The same for a pair that was moved by more than the tolerance and is doubted, where its neighbours vouch for the
 /// move: what may mislead one pair does not mislead those. \param p_value  of the displacement, were it believed
 void let_neighbours_speak(const PairEvidence& pair, double p_value, PairVerdict& verdict);
 
-/// The same for a pair of which nothing is known but that those around it would move it.
-void let_neighbours_speak(const PairEvidence& pair, const JudgeOptions& options, PairVerdict& verdict);
+/// The same for a pair that was not registered, where those around it would move it.
+void let_movers_speak(const PairEvidence& pair, const JudgeOptions& options, PairVerdict& verdict);
 
 }  // namespace kilter
