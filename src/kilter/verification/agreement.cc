@@ -171,7 +171,7 @@ int count_movers(const CorrectionIndex& index, std::span<const Standing> standin
                  double tolerance_m) {
   struct Neighbour {
     std::size_t number;
-    Eigen::Vector3d to_m;
+    Eigen::Vector3d carried_m;
     double moved_m;
     double allowance_m;
   };
@@ -190,7 +190,7 @@ int count_movers(const CorrectionIndex& index, std::span<const Standing> standin
   for (const Neighbour& one : neighbours) {
     if (standings[one.number] == Standing::kStays || one.moved_m - one.allowance_m <= tolerance_m) return 0;
     for (const Neighbour& other : neighbours) {
-      if ((one.to_m - other.to_m).norm() > one.allowance_m + other.allowance_m) return 0;
+      if ((one.carried_m - other.carried_m).norm() > one.allowance_m + other.allowance_m) return 0;
     }
     sides.add(pair.id, index.corrections()[one.number].id);
   }
