@@ -34,6 +34,7 @@ TEST(JudgeNeighbours, AMoveThatFreeSpaceIsAgainstIsHeardIfBelievedNeighboursAskF
   ASSERT_TRUE(verdict.without_registration) << "which is no reason to hand its own registration on";
   EXPECT_EQ(verdict.without_registration->find("2 pairs around it"), 0U) << *verdict.without_registration;
   EXPECT_FALSE(verdict.disagreement_most_m);
+  EXPECT_NEAR(*verdict.log_odds, std::log(500.0 * 0.05 / 0.95), 1e-9);
   EXPECT_EQ(standing_of(verdict, {}), Standing::kDoubted) << "it vouches for nobody";
   pair.agreement.contradicting_weight = 3.0;
   pair.agreement.agreeing_weight = 1.0;

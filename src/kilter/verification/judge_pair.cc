@@ -88,8 +88,8 @@ void disbelieve(const PairEvidence& pair, const MapNull& null, bool vouched, con
   verdict.p_value.reset();
   std::optional<double>& log_ratio = verdict.evidence.at("disagreement").log_ratio;
   const bool above = *log_ratio > 0.0;
-  const bool telling = above && (vouched || (!conflict_grew(pair) && !surfaces_may_differ(pair, null)));
-  const double wrong = telling ? kLeavesRightPlace : kWrongWhenDoubted;
+  const bool telling = above && !conflict_grew(pair) && !surfaces_may_differ(pair, null);
+  const double wrong = above && vouched ? kDeniedByNeighbours : telling ? kLeavesRightPlace : kWrongWhenDoubted;
   const double strength = std::log(wrong + (1.0 - wrong) * std::exp(-std::abs(*log_ratio)));
   log_ratio = above ? -strength : strength;
   set_posterior(*log_ratio, options, verdict);

@@ -36,11 +36,9 @@ constexpr double kFewestKnown = 400.0;      // voxels, of both submaps, or cells
 // A right pose is left this seldom for one that fits better, beyond chance, and that its neighbours contradict: upper
 // 95 % bound over the good pairs of `benchmarks/accuracy/run`, of which none was.
 constexpr double kLeftForBetter = 0.002;
-// So many neighbours, believed on their own, have to ask for the move of a pair that is doubted. A right pose then is
-// denied this seldom: upper 95 % bound over the same pairs, of which none was.
+// So many neighbours, believed on their own, have to ask for the move of a pair that is doubted.
 constexpr int kVouching = 2;
 constexpr int kMovers = 3;  // of one that was not registered, and asks for nothing itself
-constexpr double kDeniedByNeighbours = 0.002;
 
 // Free space is silent at this share of what both know; where most voxels show a common side it need not speak. Of
 // 8,782 pairs that are rightly called inconsistent, 18 are silent (`benchmarks/accuracy/run`).
