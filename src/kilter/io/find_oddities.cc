@@ -200,7 +200,9 @@ std::vector<std::pair<std::size_t, std::size_t>> robots_given_twice(std::span<co
   std::vector<std::pair<std::size_t, std::size_t>> twice;
   for (std::size_t i = 0; i < robots.size(); ++i) {
     for (std::size_t k = 0; k < i; ++k) {
-      if (are_one(robots[i], robots[k])) twice.emplace_back(i, k);
+      if (!are_one(robots[i], robots[k])) continue;
+      twice.emplace_back(i, k);
+      break;
     }
   }
   return twice;

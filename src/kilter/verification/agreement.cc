@@ -80,16 +80,19 @@ Comparison compare(const Correction& own, const Correction& other, const Agreeme
   return {own_m.norm(), other_m.norm(), apart_m, allowance_m(own, other, options)};
 }
 
-// Whether some pairs share their source with one, and some their target.
+// Whether some pairs share their source with one, some their target, and some neither.
 struct Sides {
   bool source = false;
   bool target = false;
+  bool neither = false;
 
   void add(const PairId& own, const PairId& other) {
     source = source || other.source == own.source;
     target = target || other.target == own.target;
+    neither = neither || (other.source != own.source && other.target != own.target);
   }
   [[nodiscard]] bool both() const { return source && target; }
+  [[nodiscard]] bool all() const { return both() && neither; }
 };
 
 }  // namespace
@@ -156,8 +159,9 @@ std::vector<int> count_vouching(const CorrectionIndex& index, std::span<const St
     for (const std::size_t k : index.near(own)) {
       if (standings[k] == Standing::kDoubted || !close_over_same_way(own, corrections[k])) continue;
       const Comparison here = compare(own, corrections[k], index.options());
-      denied = denied || (standings[k] == Standing::kStays && here.other());
-      if (standings[k] != Standing::kMoves || !here.same() || here.apart_m > kSameShare * here.own_m) continue;
+      const bool same = here.same() && here.apart_m <= kSameShare * here.own_m;
+      denied = denied || (standings[k] == Standing::kStays && here.tells() && !same);
+      if (standings[k] != Standing::kMoves || !same) continue;
       if (std::min(here.own_m, here.other_m) <= tolerance_m) continue;
       ++count;
       sides.add(own.id, corrections[k].id);
@@ -194,7 +198,7 @@ int count_movers(const CorrectionIndex& index, std::span<const Standing> standin
     }
     sides.add(pair.id, index.corrections()[one.number].id);
   }
-  return sides.both() ? static_cast<int>(neighbours.size()) : 0;
+  return sides.all() ? static_cast<int>(neighbours.size()) : 0;
 }
 
 std::optional<std::size_t> suggest_correction(const CorrectionIndex& index, std::span<const Agreement> agreements,

@@ -91,19 +91,20 @@ enum class Standing {
 };
 
 /// How many of the pairs around each vouch for the move that it asks for: believed ones that move, and ask for the same
-/// as compare_corrections has it and by half of the move at most, so that what odometry may have bent is not taken for
-/// a move. 0 unless one of them shares its source and one its target (or a slip beside one of the two would explain
-/// it), or if a believed one that stays asks for something else. Moves below `tolerance_m` at the overlap's middle,
-/// pure turns about it among them, are not vouched for. Within one robot only pairs that close over some of the same
-/// way count. \param standings  of each, in order \return a number each, in order. O(n times the pairs within a
-/// neighbourhood).
+/// as compare_corrections has it, and differ from it by half of the move at most, so that what odometry may have bent
+/// is not taken for a move. 0 unless one of them shares its source and one its target (or a slip beside one of the two
+/// would explain it), or if a believed one that stays and could tell does not ask for the same. Moves below
+/// `tolerance_m` at the overlap's middle, pure turns about it among them, are not vouched for. Within one robot only
+/// pairs that close over some of the same way count. \param standings  of each, in order
+/// \return a number each, in order. O(n times the pairs within a neighbourhood).
 [[nodiscard]] std::vector<int> count_vouching(const CorrectionIndex& index, std::span<const Standing> standings,
                                               double tolerance_m);
 
 /// The same for a pair that was not registered and asks for nothing: how many of those around it would move the place
 /// at `pair.centre_world_m` by more than `tolerance_m` and what odometry may have bent on the way. 0 unless they put it
-/// to the same place, one of them shares its source and one its target, and no believed one that could tell leaves it
-/// where it is. O(pairs within a neighbourhood, squared).
+/// to the same place, one of them shares its source, one its target and one neither (slips beside both that undo each
+/// other would move that one twice as far), and no believed one that could tell leaves it where it is. O(pairs within a
+/// neighbourhood, squared).
 [[nodiscard]] int count_movers(const CorrectionIndex& index, std::span<const Standing> standings,
                                const Correction& pair, double tolerance_m);
 

@@ -149,6 +149,15 @@ TEST(CountVouching, SmallMovesHaveToBeTheSameMove) {
   EXPECT_EQ(vouched({0.08, 0.0, 0.0}, {0.15, 0.0, 0.0})[0], 0);
 }
 
+// One that stays within the allowance of a small move does not ask for it.
+TEST(CountVouching, SmallMovesAreDeniedByThoseThatStay) {
+  const Eigen::Vector3d move_m(0.2, 0.0, 0.0);
+  const std::vector<Correction> corrections = {pair_asking(1, 1, move_m), pair_asking(1, 2, move_m),
+                                               pair_asking(2, 1, move_m), pair_asking(0, 1, Eigen::Vector3d::Zero())};
+  const std::vector<Standing> stays = {kDoubted, kMoves, kMoves, kStays};
+  EXPECT_EQ(count_vouching({corrections, {}}, stays, 0.1)[0], 0);
+}
+
 TEST(CountVouching, ASlipBesideOneOfTheTwoIsNoReason) {
   const Eigen::Vector3d move_m(3.0, 0.5, 0.0);
   EXPECT_EQ(vouched(move_m, move_m, {kDoubted, kMoves, kDoubted})[0], 0);
@@ -190,29 +199,30 @@ int movers(const std::vector<Correction>& around, const std::vector<Standing>& s
 
 TEST(CountMovers, NeedsSomeOfItsSourceAndOfItsTargetThatPutItToOnePlace) {
   const Eigen::Vector3d move_m(3.0, 0.0, 0.0);
-  std::vector<Correction> around = {pair_asking(1, 0, move_m), pair_asking(1, 1, move_m), pair_asking(2, 2, move_m)};
+  std::vector<Correction> around = {pair_asking(0, 1, move_m), pair_asking(1, 1, move_m), pair_asking(2, 2, move_m)};
   const std::vector<Standing> all_move(3, kMoves);
   EXPECT_EQ(movers(around, all_move), 3);
   EXPECT_EQ(movers(around, all_move, 2.9), 0) << "what odometry may bend on the way could explain it";
   EXPECT_EQ(movers(around, {kMoves, kMoves, kDoubted}), 0) << "none of its target";
-  EXPECT_EQ(movers(around, {kDoubted, kDoubted, kMoves}), 0) << "none of its source";
+  EXPECT_EQ(movers(around, {kMoves, kDoubted, kMoves}), 0) << "none of its source";
+  EXPECT_EQ(movers({around[1], around[2]}, {kMoves, kMoves}), 0) << "none that shares neither";
   around[2] = pair_asking(2, 2, {0.0, 3.0, 0.0});
   EXPECT_EQ(movers(around, all_move), 0) << "they do not put it to the same place";
 }
 
 TEST(CountMovers, OneThatStaysDenies) {
   const Eigen::Vector3d move_m(3.0, 0.0, 0.0);
-  std::vector<Correction> around = {pair_asking(1, 0, move_m), pair_asking(1, 1, move_m), pair_asking(2, 2, move_m),
+  std::vector<Correction> around = {pair_asking(0, 1, move_m), pair_asking(1, 1, move_m), pair_asking(2, 2, move_m),
                                     pair_asking(2, 3, Eigen::Vector3d::Zero())};
   const std::vector<Standing> standings = {kMoves, kMoves, kMoves, kStays};
   EXPECT_EQ(movers(around, standings), 0);
-  around[3].sigma_m = 0.4;  // far better known than what the others ask for
+  around[3].sigma_m = 0.4;  // still far below what the others ask for
   EXPECT_EQ(movers(around, standings), 0);
   around[3].sigma_m = 2.0;
   EXPECT_EQ(movers(around, standings), 3) << "it could not tell";
 }
 
-// A turn about a far place moves what is near little, or much; what both say is enough.
+// The smaller of the rigid motion here and of the shift where the neighbour overlaps counts.
 TEST(CountMovers, ATurnElsewhereIsNoMove) {
   std::vector<Correction> around = {pair_asking(1, 0, Eigen::Vector3d::Zero()),
                                     pair_asking(1, 1, Eigen::Vector3d::Zero()),

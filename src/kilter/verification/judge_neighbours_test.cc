@@ -81,6 +81,9 @@ TEST(JudgeNeighbours, ThePlacesOfAPairThatStaysMayStillDiffer) {
   EXPECT_EQ(verdict_of(moved), Verdict::kUnverified);
   moved.agreement.vouching = 2;
   EXPECT_EQ(verdict_of(moved), Verdict::kInconsistent);
+  moved.registration->searched = true;
+  moved.agreement.contradicting_weight = 3.0;
+  EXPECT_EQ(judge_pair(moved, kNull, {}).reason.find("too little overlap"), 0U) << "others contradict it";
 }
 
 // 0.002 is no discovery of its own in a map of consistent pairs.

@@ -227,9 +227,9 @@ std::string registration_failure(const PairEvidence& pair) {
   return fmt::format("registration failed: {}", to_string(pair.registration->stop));
 }
 
-// Whether those around it ask for the move beyond the tolerance that its registration found.
+// Whether those around it ask for the move beyond the tolerance that its registration found, and do not contradict it.
 bool move_is_vouched_for(const PairEvidence& pair, const JudgeOptions& options) {
-  return pair.registered && is_vouched_for(pair) &&
+  return pair.registered && is_vouched_for(pair) && !contradicted(pair) &&
          estimate_offset(*pair.registration, pair.T_target_source).offset_m > options.tolerance_m;
 }
 
@@ -268,7 +268,7 @@ PairVerdict judge_displacement(const PairEvidence& pair, const MapNull& null, co
   const auto call_doubtful = [&](std::string reason) {
     verdict.reason = std::move(reason);
     const double p_value = *verdict.p_value;
-    const bool vouched = moved && !contradicted(pair) && is_vouched_for(pair);
+    const bool vouched = move_is_vouched_for(pair, options);
     disbelieve(pair, null, vouched, options, verdict);
     if (vouched) let_neighbours_speak(pair, p_value, verdict);
     if (moved && contradicted(pair)) let_better_fit_speak(pair, p_value, verdict);

@@ -44,8 +44,8 @@ void let_free_space_speak(const PairEvidence& pair, const MapNull& null, const J
 /// \param p_value  of the displacement, were it believed
 void let_better_fit_speak(const PairEvidence& pair, double p_value, PairVerdict& verdict);
 
-/// A right pose is denied by believed neighbours this seldom: upper 95 % bound over the good pairs of
-/// `benchmarks/accuracy/run`, of which none was.
+/// A right pose is denied by believed neighbours this seldom at most: upper 95 % bound over the good pairs of
+/// `benchmarks/accuracy/run`, of which none was (most are in maps where nobody could be heard).
 inline constexpr double kDeniedByNeighbours = 0.002;
 
 /// Whether enough of its neighbours, believed on their own, vouch for the move that registration found.
