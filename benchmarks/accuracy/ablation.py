@@ -16,6 +16,7 @@ PRIOR = math.log(0.05 / 0.95)
 PIECES = ("bend", "neighbours", "ambiguity", "kept overlap", "conflict once registered", "gain of support",
           "sides seen by both", "free space alone", "conflict that a motion mends", "a better fit elsewhere",
           "believed neighbours")
+OF_NEIGHBOURS = ("neighbours", "believed neighbours")
 WHATEVER_IT_IS = 0.25  # share of conflict, above the typical, that needs no motion to speak
 
 
@@ -38,7 +39,7 @@ def log_odds(row, without=""):
     believed = without == "bend" or (without and doubts(row) == {without})
     said = value(row, "displacement" if believed else "disagreement", "log_ratio")
     alone = free_space(row, without)
-    neighbours = value(row, "agreeing", "log_ratio") if said is None and without != "believed neighbours" else None
+    neighbours = value(row, "agreeing", "log_ratio") if said is None and without not in OF_NEIGHBOURS else None
     ratios = [ratio for ratio in (said, alone, neighbours) if ratio is not None]
     return max(ratios) + PRIOR if ratios else 0.0
 
@@ -83,7 +84,7 @@ def decide(row, without=""):
         return "inconsistent" if alone > SURE else "unverified"
     if value(row, "support", "log_ratio") is not None and without not in ("neighbours", "a better fit elsewhere"):
         return "inconsistent"
-    if value(row, "agreeing", "log_ratio") is not None and without not in ("neighbours", "believed neighbours"):
+    if value(row, "agreeing", "log_ratio") is not None and without not in OF_NEIGHBOURS:
         return "inconsistent"
     if value(row, "displacement") is None or doubts(row) - {without}:
         return "unverified"

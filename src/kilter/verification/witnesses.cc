@@ -159,7 +159,7 @@ bool is_vouched_for(const PairEvidence& pair) { return pair.agreement.vouching >
 
 void let_neighbours_speak(const PairEvidence& pair, double p_value, PairVerdict& verdict) {
   const std::optional<double> log_ratio = verdict.evidence.at("disagreement").log_ratio;
-  if (!is_vouched_for(pair) || *log_ratio <= 0.0) return;
+  if (*log_ratio <= 0.0) return;
   verdict.evidence["agreeing"] = {static_cast<double>(pair.agreement.agreeing),
                                   static_cast<double>(pair.agreement.contradicting), log_ratio};
   decide_without_registration(

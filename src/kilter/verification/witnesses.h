@@ -52,7 +52,8 @@ inline constexpr double kDeniedByNeighbours = 0.002;
 [[nodiscard]] bool is_vouched_for(const PairEvidence& pair);
 
 /// The same for a pair that was moved by more than the tolerance and is doubted, where its neighbours vouch for the
-/// move: what may mislead one pair does not mislead those. \param p_value  of the displacement, were it believed
+/// move (the caller's to ask): what may mislead one pair does not mislead those. \param p_value  of the displacement,
+/// were it believed
 void let_neighbours_speak(const PairEvidence& pair, double p_value, PairVerdict& verdict);
 
 /// The same for a pair that was not registered, where those around it would move it.
