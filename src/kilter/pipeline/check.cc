@@ -127,24 +127,6 @@ Expected<std::vector<PairMeasurement>> measure_all(const std::vector<SubmapNode>
   return measured;
 }
 
-// Each pair alone, then those once more whose neighbours, believed alone, have something to say.
-std::vector<PairVerdict> judge_by_displacement(const std::vector<PairMeasurement>& measured,
-                                               std::vector<PairEvidence>& evidence, const MapNull& null,
-                                               const std::vector<SubmapNode>& nodes, const CheckOptions& options) {
-  std::vector<PairVerdict> verdicts;
-  std::vector<Standing> standings;
-  for (const PairEvidence& pair : evidence) {
-    verdicts.push_back(judge_pair(pair, null, options.judge));
-    standings.push_back(standing_of(verdicts.back(), options.judge));
-  }
-  hear_neighbours(nodes, measured, standings, options, evidence);
-  for (std::size_t i = 0; i < evidence.size(); ++i) {
-    const Agreement& heard = evidence[i].agreement;
-    if (heard.vouching > 0 || heard.movers > 0) verdicts[i] = judge_pair(evidence[i], null, options.judge);
-  }
-  return verdicts;
-}
-
 std::vector<JudgedPair> judge_all(const std::vector<PairMeasurement>& measured, const std::vector<SubmapNode>& nodes,
                                   const CheckOptions& options) {
   std::vector<PairEvidence> evidence;
@@ -158,7 +140,7 @@ std::vector<JudgedPair> judge_all(const std::vector<PairMeasurement>& measured, 
   if (by_gamma) {
     for (const PairEvidence& pair : evidence) verdicts.push_back(judge_pair_by_gamma(pair, null));
   } else {
-    verdicts = judge_by_displacement(measured, evidence, null, nodes, options);
+    verdicts = judge_among_neighbours(nodes, measured, null, options, evidence);
   }
   for (std::size_t i = 0; i < evidence.size(); ++i) {
     const PairEvidence& pair = evidence[i];

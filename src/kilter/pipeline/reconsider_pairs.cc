@@ -152,4 +152,21 @@ void hear_neighbours(std::span<const SubmapNode> nodes, std::span<const PairMeas
   }
 }
 
+std::vector<PairVerdict> judge_among_neighbours(std::span<const SubmapNode> nodes,
+                                                std::span<const PairMeasurement> measured, const MapNull& null,
+                                                const CheckOptions& options, std::span<PairEvidence> evidence) {
+  std::vector<PairVerdict> verdicts;
+  std::vector<Standing> standings;
+  for (const PairEvidence& pair : evidence) {
+    verdicts.push_back(judge_pair(pair, null, options.judge));
+    standings.push_back(standing_of(verdicts.back(), options.judge));
+  }
+  hear_neighbours(nodes, measured, standings, options, evidence);
+  for (std::size_t i = 0; i < evidence.size(); ++i) {
+    const Agreement& heard = evidence[i].agreement;
+    if (heard.vouching > 0 || heard.movers > 0) verdicts[i] = judge_pair(evidence[i], null, options.judge);
+  }
+  return verdicts;
+}
+
 }  // namespace kilter

@@ -30,4 +30,11 @@ void hear_neighbours(std::span<const SubmapNode> nodes, std::span<const PairMeas
                      std::span<const Standing> standings, const CheckOptions& options,
                      std::span<PairEvidence> evidence);
 
+/// Each pair alone, then those once more whose neighbours, believed alone, have something to say (`hear_neighbours`,
+/// which leaves it in `evidence`). \return the verdicts, in order of `measured`.
+[[nodiscard]] std::vector<PairVerdict> judge_among_neighbours(std::span<const SubmapNode> nodes,
+                                                              std::span<const PairMeasurement> measured,
+                                                              const MapNull& null, const CheckOptions& options,
+                                                              std::span<PairEvidence> evidence);
+
 }  // namespace kilter

@@ -4,9 +4,11 @@
 
 #include <gtest/gtest.h>
 
+#include <span>
 #include <utility>
 #include <vector>
 
+#include "kilter/verification/witnesses.h"
 #include "testing/moved_pair.h"
 
 namespace kilter {
@@ -73,6 +75,29 @@ TEST(HearNeighbours, OfDoubtedPairsAndOfThoseThatWereNotRegistered) {
   CheckOptions papers;
   papers.registration.method = RegistrationMethod::kOicp;
   EXPECT_EQ(heard(nodes, measured, standings, papers), Heard(5));
+}
+
+TEST(JudgeAmongNeighbours, TwoThatAreBelievedDecideTheOneBetweenThem) {
+  const std::vector<SubmapNode> nodes = two_journeys();
+  std::vector<PairMeasurement> measured = {moved(nodes, 3, 0, 2.0), moved(nodes, 4, 1, 2.0), moved(nodes, 4, 0, 2.0)};
+  RegistrationResult& doubted = *measured.back().evidence.registration;
+  doubted.support_end = doubted.support_start;
+  const auto judged = [&](std::size_t count) {
+    std::vector<PairEvidence> evidence;
+    for (std::size_t i = 0; i < count; ++i) evidence.push_back(measured[measured.size() - count + i].evidence);
+    return judge_among_neighbours(nodes, std::span(measured).last(count), {}, {}, evidence);
+  };
+  EXPECT_FALSE(judged(1)[0].p_value);
+  EXPECT_FALSE(judged(2)[1].p_value) << "one side alone";
+  const std::vector<PairVerdict> all = judged(3);
+  for (const std::size_t believed : {0U, 1U}) {
+    EXPECT_LT(all[believed].p_value, 1e-4);
+    EXPECT_FALSE(all[believed].without_registration);
+    EXPECT_FALSE(all[believed].evidence.contains("agreeing"));
+  }
+  EXPECT_EQ(all[2].p_value, kDeniedByNeighbours);
+  EXPECT_EQ(all[2].evidence.at("agreeing").log_ratio, all[2].evidence.at("disagreement").log_ratio);
+  EXPECT_TRUE(all[2].without_registration);
 }
 
 }  // namespace

@@ -240,6 +240,14 @@ TEST(JudgePair, ASmallGainCountsIfFreeSpaceAgrees) {
   EXPECT_EQ(verdict_of(pair), Verdict::kUnverified);
   pair.map.conflict = {{1000, 80}, {1000, 80}};
   EXPECT_EQ(verdict_of(pair), Verdict::kInconsistent);
+  pair.registered->conflict = {{1000, 2}, {1000, 2}};
+  pair.map.conflict = {{1000, 12}, {1000, 12}};
+  EXPECT_EQ(verdict_of(pair), Verdict::kInconsistent) << "one in a hundred, by far more than chance";
+  pair.map.conflict = {{1000, 6}, {1000, 6}};
+  EXPECT_EQ(verdict_of(pair), Verdict::kUnverified) << "eight voxels less";
+  pair.registered->conflict = {{100000, 50}, {100000, 50}};
+  pair.map.conflict = {{100000, 200}, {100000, 200}};
+  EXPECT_EQ(verdict_of(pair), Verdict::kUnverified) << "one in a thousand moves by itself";
 }
 
 // Where few voxels face the way moved, a handful more is chance.

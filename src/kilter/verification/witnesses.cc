@@ -19,10 +19,10 @@ namespace {
 // chance.
 constexpr double kLeastGain = 1.3;
 constexpr double kGainDeviations = 3.0;
-// A smaller gain will do if free space agrees too: at least this much of what both saw no longer conflicts, and at most
-// half of the conflict is left.
+// A smaller gain will do if free space agrees too: at least this much of what both saw no longer conflicts, not by
+// chance, and at most half of the conflict is left.
 constexpr double kLeastGainWithFreeSpace = 1.1;
-constexpr double kLeastConflictGone = 0.02;
+constexpr double kLeastConflictGone = 0.002;
 constexpr double kConflictLeft = 0.5;
 // Surfaces that lie apart stand in space that the other submap saw through, so a move in the right direction makes
 // conflict vanish. Where it makes some instead, the storey above, the ceiling or the next aisle is what fits, however
@@ -54,6 +54,15 @@ bool support_grew(const RegistrationResult& registration, double factor) {
   const auto start = static_cast<double>(registration.support_start);
   const auto end = static_cast<double>(registration.support_end);
   return end - factor * start > kGainDeviations * std::sqrt(end + factor * factor * start);
+}
+
+// Conflict falls by half at least, and by more than two counts of cells that conflict may differ.
+bool conflict_went(const PairEvidence& pair) {
+  const double before = pair.map.conflict.share();
+  const double after = pair.registered->conflict.share();
+  const double cells = static_cast<double>(pair.map.conflict.known()) / pair.grain.voxels_per_cell;
+  return after <= kConflictLeft * before && before - after >= kLeastConflictGone &&
+         (before - after) * cells > kGainDeviations * std::sqrt((before + after) * cells);
 }
 
 // What overlaps and what both saw stay when the source moves, so that what was seen there counts.
@@ -100,8 +109,7 @@ bool fit_improved(const PairEvidence& pair) {
   const double after = pair.registered->conflict.share();
   if (after > kConflictMayGrow * before) return false;
   if (conflict_grew(pair)) return support_grew(*pair.registration, kLeastGainAgainstFreeSpace);
-  const bool conflict_gone = before - after >= kLeastConflictGone && after <= kConflictLeft * before;
-  return support_grew(*pair.registration, conflict_gone ? kLeastGainWithFreeSpace : kLeastGain);
+  return support_grew(*pair.registration, conflict_went(pair) ? kLeastGainWithFreeSpace : kLeastGain);
 }
 
 bool free_space_is_silent(const PairEvidence& pair, const MapNull& null) {
