@@ -210,11 +210,11 @@ Look settle(PlanePair& pair, const Pose3& start, const RegistrationOptions& opti
   }
 }
 
-// The motion that leaves the least apart where a submap is bent, along what the scene fixes.
-Pose3 to_least_apart(const Bend& bend, const Look& look) {
+// The motion that leaves the least apart where a submap is bent, along what the scene fixes, about the look's centre.
+Vector6 to_least_apart(const Bend& bend, const Look& look) {
   Vector6 motion = bend.common;
   motion.head<3>() += bend.common.tail<3>().cross(look.equations.centre_m - bend.centre_m);
-  return motion_about(look.equations.centre_m, fixed_part(look.equations, look.split, motion));
+  return fixed_part(look.equations, look.split, motion);
 }
 
 // All voxels of a cell are one measurement.
@@ -256,11 +256,12 @@ RegistrationResult finish(PlanePair& pair, const Pose3& start, Descent descent, 
   const std::vector<PlaneResidual> places = match_planes(pair, descent.T, options.search_distance_m, kBendPoints);
   result.bend = measure_bend(pair, descent.T, options.search_distance_m, places);
   result.T_target_source_closest = descent.T;
-  result.T_target_source = to_least_apart(result.bend, look) * descent.T;
+  const Vector6 motion = to_least_apart(result.bend, look);
+  result.T_target_source = motion_about(look.equations.centre_m, (1.0 - result.bend.of_noise) * motion) * descent.T;
   result.residual_rms_m = std::sqrt(look.equations.squares_m2 / look.equations.weight);
   result.covariance_cells = cell_covariance(look.residuals, look.equations, look.split, pair.grain.variance_m2);
-  result.covariance_measured =
-      plane_covariance(look.residuals, look.equations, look.split, result.bend) + result.covariance_cells;
+  result.covariance_measured = plane_covariance(look.residuals, look.equations, look.split, result.bend) +
+                               result.covariance_cells + result.bend.of_noise * motion * motion.transpose();
   describe_uncertainty(places, look.equations, look.split, prior, result);
   return result;
 }

@@ -14,7 +14,7 @@ namespace {
 // Of the residuals' mean square in a patch: by this much it lies off as a whole. Seen where the truth is known, alike
 // on floors and walls of three worlds; all voxels of a surface cut it at much the same height, so their number is no
 // help.
-constexpr double kPatchShare = 0.6;
+constexpr double kPatchShare = 0.45;
 // And never by less: two submaps of the same scans have no residuals, and are not known without bounds.
 constexpr double kLeastPatch_m = 1e-4;
 // A bend is smooth: what lies this near each other is off alike. [m]
