@@ -30,6 +30,7 @@
 #include "kilter/io/usable_points.h"
 #include "kilter/report/constraints_g2o.h"
 #include "kilter/report/json_writer.h"
+#include "kilter/report/text_lines.h"
 #include "kilter/submap/build_submaps.h"
 
 namespace kilter::app {
@@ -211,7 +212,7 @@ std::string as_text(const SubmapsCommand& command, const std::vector<WrittenRobo
                         robot.submaps == 1 ? "" : "s", robot.occupied, static_cast<double>(robot.bytes) / 1e6);
   }
   const std::string folder = shown(std::filesystem::path(command.output_folder));
-  return text + fmt::format("in {0}; `kilter check {0}` reads them\n", folder);
+  return text + fmt::format("in {}; `kilter check {}` reads them\n", folder, shell_word(folder));
 }
 
 void print_notes(const SubmapsCommand& command, const Job& job) {
@@ -242,8 +243,8 @@ void print_note_on_others(const SubmapsCommand& command, const Job& job) {
     if (!is_ours && !name.starts_with('.') && is_robot_folder(folder / name)) others.push_back(name);
   }
   if (others.empty()) return;
-  print_note(fmt::format("{0} holds {1} too, which {2} not of this run and which `kilter check {0}` reads with it",
-                         shown(folder), some_of(others), others.size() == 1 ? "is" : "are"));
+  print_note(fmt::format("{} holds {} too, which {} not of this run and which `kilter check {}` reads with it",
+                         shown(folder), some_of(others), others.size() == 1 ? "is" : "are", shell_word(shown(folder))));
 }
 
 int finish(const Failure& failure) {

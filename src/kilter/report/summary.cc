@@ -254,11 +254,11 @@ void add_worst(Lines& lines, const Result& result, const SummaryOptions& options
   }
 }
 
-// A path in a command: whole, or as the option's help calls it where no line holds it.
+// A path in a command: whole, or as the option's help calls it where no line holds it, or could be broken inside it.
 std::string to_be_typed(const std::string& path, std::string_view name) {
   constexpr std::size_t kMostColumns = 70;
   std::string whole = printable(path);
-  return columns_of(whole) <= kMostColumns ? whole : std::string(name);
+  return columns_of(whole) <= kMostColumns && shell_word(whole) == whole ? whole : std::string(name);
 }
 
 // Of the inconsistent pairs, those that gave a constraint.

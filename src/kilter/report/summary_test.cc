@@ -142,6 +142,8 @@ TEST(Summary, TheAdviceNamesThePosesThatItNeedsAgain) {
   EXPECT_THAT(summary(result, options), HasSubstr(" " + options.output_folder + " --poses better"));
   options.output_folder += 'o';
   EXPECT_THAT(summary(result, options), HasSubstr("--cuts OUT --poses better"));
+  options.output_folder = "of monday";
+  EXPECT_THAT(summary(result, options), HasSubstr("--cuts OUT --poses better"));
 }
 
 TEST(Summary, GatesThatLeaveNoPairAreNamed) {

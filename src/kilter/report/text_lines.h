@@ -26,4 +26,7 @@ namespace kilter {
 [[nodiscard]] std::vector<std::string> wrapped(std::string_view text, std::size_t columns, std::size_t indent,
                                                std::size_t max_lines);
 
+/// Text as one word of a POSIX shell, for commands that are there to be copied: in single quotes where it must be.
+[[nodiscard]] std::string shell_word(std::string_view text);
+
 }  // namespace kilter

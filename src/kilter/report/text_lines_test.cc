@@ -29,5 +29,14 @@ TEST(TextLines, WhatDoesNotFitIsCutAndMarked) {
   EXPECT_THAT(wrapped("immeasurable", 6, 0, 2), ElementsAre("immea~"));
 }
 
+TEST(ShellWord, QuotesWhatAShellWouldTakeApart) {
+  EXPECT_EQ(shell_word("runs/2026-11-28_a.bag"), "runs/2026-11-28_a.bag");
+  EXPECT_EQ(shell_word("Gl\xC3\xBChlampe"), "Gl\xC3\xBChlampe");
+  EXPECT_EQ(shell_word("of monday"), "'of monday'");
+  EXPECT_EQ(shell_word("Ann's $HOME"), "'Ann'\\''s $HOME'");
+  EXPECT_EQ(shell_word("~/a"), "'~/a'");
+  EXPECT_EQ(shell_word(""), "''");
+}
+
 }  // namespace
 }  // namespace kilter
