@@ -91,11 +91,13 @@ TEST(JudgeAmongNeighbours, TwoThatAreBelievedDecideTheOneBetweenThem) {
   EXPECT_FALSE(judged(2)[1].p_value) << "one side alone";
   const std::vector<PairVerdict> all = judged(3);
   for (const std::size_t believed : {0U, 1U}) {
-    EXPECT_LT(all[believed].p_value, 1e-4);
+    ASSERT_TRUE(all[believed].p_value);
+    EXPECT_LT(*all[believed].p_value, 1e-4);
     EXPECT_FALSE(all[believed].without_registration);
     EXPECT_FALSE(all[believed].evidence.contains("agreeing"));
   }
   EXPECT_EQ(all[2].p_value, kDeniedByNeighbours);
+  ASSERT_TRUE(all[2].evidence.at("disagreement").log_ratio);
   EXPECT_EQ(all[2].evidence.at("agreeing").log_ratio, all[2].evidence.at("disagreement").log_ratio);
   EXPECT_TRUE(all[2].without_registration);
 }

@@ -30,8 +30,9 @@ struct Bend {
   /// aligned pose that leaves the least apart. Zero where parts are of kind kSpace.
   Vector6 common = Vector6::Zero();
   Eigen::Vector3d centre_m = Eigen::Vector3d::Zero();
-  /// Share of its square that rigid submaps would show as well. Of `common`, as much is not believed.
-  double of_noise = 0.0;
+  /// Share of its square that rigid submaps would show as well. Of `common`, as much is not believed; rms_m is what is
+  /// left after all of it.
+  double noise_share = 0.0;
 };
 
 /// The residuals once more, matched where motions in time put the source's places: residuals without the motions, of

@@ -33,7 +33,7 @@ constexpr double kWholePatch = 10.0;  // smaller ones (sum of weights) count by 
 // How far the measured RMS is from the true one, as a share of it: one standard deviation, seen where the truth is
 // known.
 constexpr double kScatter = 0.07;
-// Of a voxel's edge: so far submaps that are rigid seem bent, and the pose is not moved for it.
+// Of a voxel's edge: so far submaps that are rigid seem bent (seen at 0.1 m), and the pose is not moved for it.
 constexpr double kNoiseVoxels = 0.1;
 
 // Two ways to see the same scene at other times: what the source saw in one bin and the target in another.
@@ -234,9 +234,9 @@ Bend TimedMotions::bend() const {
   bend.kind = of_source ? BendKind::kSource : BendKind::kTarget;
   bend.parts = static_cast<int>(cells_.size());
   common.tail<3>() /= radius_m_;
-  const double noise_m2 = std::pow(kNoiseVoxels * grain_.edge_m, 2);
+  const double noise_m2 = std::pow(kNoiseVoxels * grain_.edge_m, 2) + grain_.variance_m2;
   bend.common = common;
-  bend.of_noise = std::min(noise_m2 / std::max(square, noise_m2), 1.0);
+  bend.noise_share = std::min(noise_m2 / std::max(square, noise_m2), 1.0);
   bend.centre_m = centre_m_;
   return bend;
 }

@@ -257,11 +257,11 @@ RegistrationResult finish(PlanePair& pair, const Pose3& start, Descent descent, 
   result.bend = measure_bend(pair, descent.T, options.search_distance_m, places);
   result.T_target_source_closest = descent.T;
   const Vector6 motion = to_least_apart(result.bend, look);
-  result.T_target_source = motion_about(look.equations.centre_m, (1.0 - result.bend.of_noise) * motion) * descent.T;
+  result.T_target_source = motion_about(look.equations.centre_m, (1.0 - result.bend.noise_share) * motion) * descent.T;
   result.residual_rms_m = std::sqrt(look.equations.squares_m2 / look.equations.weight);
   result.covariance_cells = cell_covariance(look.residuals, look.equations, look.split, pair.grain.variance_m2);
   result.covariance_measured = plane_covariance(look.residuals, look.equations, look.split, result.bend) +
-                               result.covariance_cells + result.bend.of_noise * motion * motion.transpose();
+                               result.covariance_cells + result.bend.noise_share * motion * motion.transpose();
   describe_uncertainty(places, look.equations, look.split, prior, result);
   return result;
 }

@@ -57,8 +57,9 @@ struct RegistrationPrior {
 struct RegistrationResult {
   StopReason stop = StopReason::kTooFewMatches;
   Pose3 T_target_source;  ///< the start, if not converged
-  /// Where most surfaces meet. The same but where a submap is bent: then T_target_source leaves the least apart of all
-  /// that both saw, as a pose graph wants it, and here some of it meets.
+  /// Where most surfaces meet. The same but where a submap is bent beyond noise: then T_target_source leaves the least
+  /// apart of all that both saw, as a pose graph wants it, and here some of it meets. In between, the share of the step
+  /// is taken by which the bend's square exceeds noise (Bend::noise_share).
   Pose3 T_target_source_closest;
   int iterations = 0;
   std::size_t matches = 0;      ///< correspondences at the end, of all voxels (mean of both ways)

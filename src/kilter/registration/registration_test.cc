@@ -83,6 +83,13 @@ TEST(AlignSubmaps, ABentSubmapIsPutWhereAllOfItIsLeastApart) {
   EXPECT_NEAR((result.T_target_source * middle_m - middle_m).y(), -0.15 / 6.0, 0.01);
 }
 
+// What the bend would move the pose by, about the registration's centre.
+Vector6 step_of(const RegistrationResult& result) {
+  Vector6 step = result.bend.common;
+  step.head<3>() += step.tail<3>().cross(result.centre_target_m - result.bend.centre_m);
+  return step;
+}
+
 // Rigid submaps seem bent by some millimetres. Their surfaces say better where they belong, and how much the two
 // answers differ is part of what is not known.
 TEST(AlignSubmaps, RigidSubmapsStayWhereTheirSurfacesMeet) {
@@ -91,12 +98,32 @@ TEST(AlignSubmaps, RigidSubmapsStayWhereTheirSurfacesMeet) {
                                         pose_at(0.05, 0.05, 0.0, 0.0), RegistrationMethod::kPointToPlane);
   ASSERT_TRUE(result.converged());
   EXPECT_GT(result.bend.rms_m, 0.0);
-  EXPECT_EQ(result.bend.of_noise, 1.0) << result.bend.rms_m;
+  EXPECT_EQ(result.bend.noise_share, 1.0) << result.bend.rms_m;
   EXPECT_TRUE(result.T_target_source.isometry().isApprox(result.T_target_source_closest.isometry(), 1e-12));
-  Vector6 moved = result.bend.common;  // in full, it would be
-  moved.head<3>() += moved.tail<3>().cross(result.centre_target_m - result.bend.centre_m);
-  EXPECT_GT(moved.head<3>().norm(), 1e-5);
-  EXPECT_LE(moved.dot(result.covariance_measured.ldlt().solve(moved)), 1.001);
+  const Vector6 step = step_of(result);
+  const Matrix6 without = result.covariance_measured - step * step.transpose();
+  EXPECT_GT(step.dot(without.ldlt().solve(step)), 1.5) << "surfaces alone would exclude the other answer";
+  EXPECT_LE(step.dot(result.covariance_measured.ldlt().solve(step)), 1.001);
+}
+
+TEST(AlignSubmaps, ABendLittleBeyondNoiseMovesThePosePartOfTheWay) {
+  std::vector<double> left_m(12, 0.0);
+  left_m[5] = left_m[6] = 0.045;
+  const RegistrationResult result =
+      run({hall_seen_along(std::vector<double>(12, 0.0), 1), hall_seen_along(left_m, 2), {}},
+          pose_at(0.05, 0.05, 0.0, 0.0), RegistrationMethod::kPointToPlane);
+  ASSERT_TRUE(result.converged());
+  const double noise_share = std::pow(0.01 / result.bend.rms_m, 2);
+  EXPECT_NEAR(result.bend.noise_share, noise_share, 1e-9);
+  ASSERT_GT(noise_share, 0.2);
+  ASSERT_LT(noise_share, 0.8);
+  const Vector6 step = step_of(result);
+  const auto moved_m = [&](const Pose3& T) {
+    return (T * result.T_target_source_closest.inverse()) * result.centre_target_m;
+  };
+  const Eigen::Vector3d centre_m = result.centre_target_m;
+  EXPECT_LT((moved_m(result.T_target_source) - centre_m - (1.0 - noise_share) * step.head<3>()).norm(), 1e-6);
+  EXPECT_GT(step.head<3>().norm(), 1e-3);
 }
 
 RegistrationResult run_widely(const SubmapPair& pair, const Pose3& start) {

@@ -13,16 +13,17 @@ namespace {
 
 // Of the residuals' mean square in a patch: by this much it lies off as a whole. Seen where the truth is known, alike
 // on floors and walls of three worlds; all voxels of a surface cut it at much the same height, so their number is no
-// help.
-constexpr double kPatchShare = 0.45;
+// help. Less where a bend was followed through time: of the step that was not believed there, the whole is added.
+constexpr double kPatchShare = 0.6;
+constexpr double kPatchShareInTime = 0.45;
 // And never by less: two submaps of the same scans have no residuals, and are not known without bounds.
 constexpr double kLeastPatch_m = 1e-4;
 // A bend is smooth: what lies this near each other is off alike. [m]
 constexpr double kBendCell_m = 8.0;
 // A bend is the length of a displacement, mostly level: half its square along each level axis. Where it was followed
-// through time, the pose is the one that leaves the least of it, and a hundredth is left. Chosen on an office's and a
-// car park's missions with drift, where without any of it constraints are off by what their covariances say in the
-// median, and by more in the mean.
+// through time, the pose is the one that leaves the least of it, as far as it is beyond noise, and a hundredth is left.
+// Chosen on an office's and a car park's missions with drift, where without any of it constraints are off by what their
+// covariances say in the median, and by more in the mean.
 constexpr double kBendShare = 0.5;
 constexpr double kBendShareInTime = 0.01;
 
@@ -53,8 +54,10 @@ Matrix6 displacement_form(const Eigen::Vector3d& arm_m, const Eigen::Matrix3d& s
 
 Matrix6 plane_covariance(std::span<const PlaneResidual> residuals, const NormalEquations& equations,
                          const ObservableSplit& split, const Bend& bend) {
-  const PatchOffsets of_surfaces{.cell_m = kPatch_m, .of_residuals = kPatchShare, .sigma_m = kLeastPatch_m};
-  const double share = bend.kind == BendKind::kSpace ? kBendShare : kBendShareInTime;
+  const bool in_time = bend.kind != BendKind::kSpace;
+  const PatchOffsets of_surfaces{
+      .cell_m = kPatch_m, .of_residuals = in_time ? kPatchShareInTime : kPatchShare, .sigma_m = kLeastPatch_m};
+  const double share = in_time ? kBendShareInTime : kBendShare;
   const PatchOffsets of_bend{.cell_m = kBendCell_m, .sigma_m = std::sqrt(share) * bend.rms_m};
   return offset_covariance(residuals, equations, split, of_surfaces) +
          offset_covariance(residuals, equations, split, of_bend) + blur_covariance(equations, split);

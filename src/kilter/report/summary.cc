@@ -254,11 +254,17 @@ void add_worst(Lines& lines, const Result& result, const SummaryOptions& options
   }
 }
 
-// A path in a command: whole, or as the option's help calls it where no line holds it, or could be broken inside it.
-std::string to_be_typed(const std::string& path, std::string_view name) {
+// A path that may be typed: whole, or as the option's help calls it where no line holds it.
+std::string path_or(const std::string& path, std::string_view name) {
   constexpr std::size_t kMostColumns = 70;
-  std::string whole = printable(path);
-  return columns_of(whole) <= kMostColumns && shell_word(whole) == whole ? whole : std::string(name);
+  std::string whole = printable(path, 1024);
+  return columns_of(whole) <= kMostColumns ? whole : std::string(name);
+}
+
+// The same as a word of a command, which lines must not break inside.
+std::string word_or(const std::string& path, std::string_view name) {
+  const std::string word = shell_word(path_or(path, name));
+  return word.find(' ') == std::string::npos ? word : std::string(name);
 }
 
 // Of the inconsistent pairs, those that gave a constraint.
@@ -281,8 +287,8 @@ std::string how_to_mend(const Result& result, const SummaryOptions& options, con
   return fmt::format(
       "give {0}/constraints.g2o{1} to the optimiser, then check the same again with --submap-poses NEW.g2o{2}", folder,
       few,
-      (are_cut ? " --cuts " + folder : std::string()) +
-          (options.poses ? " --poses " + to_be_typed(*options.poses, "DIR") : std::string()));
+      (are_cut ? " --cuts " + word_or(options.output_folder, "OUT") : std::string()) +
+          (options.poses ? " --poses " + word_or(*options.poses, "DIR") : std::string()));
 }
 
 // Robots whose scans leave no surface to any submap.
@@ -299,7 +305,7 @@ std::vector<std::string> robots_without_surface(const Result& result) {
 }
 
 std::string next_step(const Result& result, const SummaryOptions& options, bool some_never_meet) {
-  const std::string folder = to_be_typed(options.output_folder, "OUT");
+  const std::string folder = path_or(options.output_folder, "OUT");
   switch (result.system.state) {
     case MapState::kConsistent:
       if (options.papers_test) return "the paper's test compares pairs with each other, not with a length in metres";

@@ -142,8 +142,10 @@ TEST(Summary, TheAdviceNamesThePosesThatItNeedsAgain) {
   EXPECT_THAT(summary(result, options), HasSubstr(" " + options.output_folder + " --poses better"));
   options.output_folder += 'o';
   EXPECT_THAT(summary(result, options), HasSubstr("--cuts OUT --poses better"));
-  options.output_folder = "of monday";
-  EXPECT_THAT(summary(result, options), HasSubstr("--cuts OUT --poses better"));
+  options.output_folder = "of(monday)";
+  EXPECT_THAT(summary(result, options), HasSubstr("--cuts 'of(monday)' --poses better"));
+  options.output_folder = "of monday";  // a line might break inside
+  EXPECT_THAT(summary(result, options), AllOf(HasSubstr("--cuts OUT --poses better"), HasSubstr("give of monday/")));
 }
 
 TEST(Summary, GatesThatLeaveNoPairAreNamed) {

@@ -19,11 +19,13 @@ namespace {
 // chance.
 constexpr double kLeastGain = 1.3;
 constexpr double kGainDeviations = 3.0;
-// A smaller gain will do if free space agrees too: at least this much of what both saw no longer conflicts, not by
-// chance, and at most half of the conflict is left.
+// A smaller gain will do if free space agrees too: at most half of the conflict is left, and so much of what both saw
+// no longer conflicts. Less will do if it is not by chance.
 constexpr double kLeastGainWithFreeSpace = 1.1;
+constexpr double kMuchConflictGone = 0.02;
 constexpr double kLeastConflictGone = 0.002;
 constexpr double kConflictLeft = 0.5;
+constexpr double kVoxelsOfAThing = 10.0;  // conflicting voxels come in things, as people and chairs do
 // Surfaces that lie apart stand in space that the other submap saw through, so a move in the right direction makes
 // conflict vanish. Where it makes some instead, the storey above, the ceiling or the next aisle is what fits, however
 // well. What moved in between conflicts either way, a little more here or there: then the gain has to be overwhelming.
@@ -56,21 +58,28 @@ bool support_grew(const RegistrationResult& registration, double factor) {
   return end - factor * start > kGainDeviations * std::sqrt(end + factor * factor * start);
 }
 
-// Conflict falls by half at least, and by more than two counts of cells that conflict may differ.
-bool conflict_went(const PairEvidence& pair) {
-  const double before = pair.map.conflict.share();
-  const double after = pair.registered->conflict.share();
-  const double cells = static_cast<double>(pair.map.conflict.known()) / pair.grain.voxels_per_cell;
-  return after <= kConflictLeft * before && before - after >= kLeastConflictGone &&
-         (before - after) * cells > kGainDeviations * std::sqrt((before + after) * cells);
-}
-
 // What overlaps and what both saw stay when the source moves, so that what was seen there counts.
 bool stays_in_view(const PairEvidence& pair) {
   const PoseEvidence& after = *pair.registered;
   const auto kept = [](double before, double now) { return now >= kOverlapKept * before; };
   return kept(pair.map.overlap, after.overlap) &&
          kept(static_cast<double>(pair.map.conflict.known()), static_cast<double>(after.conflict.known()));
+}
+
+// Conflict falls by half at least, and by much; or, in what both poses know, by more than two counts of things that
+// conflict may differ.
+bool conflict_went(const PairEvidence& pair) {
+  const double before = pair.map.conflict.share();
+  const double after = pair.registered->conflict.share();
+  if (after > kConflictLeft * before || before - after < kLeastConflictGone) return false;
+  if (before - after >= kMuchConflictGone) return true;
+  if (!stays_in_view(pair)) return false;
+  const double a_thing = kVoxelsOfAThing * pair.grain.voxels_per_cell;
+  const auto variance = [&](double share, const ConflictSample& conflict) {
+    return share * a_thing / static_cast<double>(conflict.known());
+  };
+  return before - after >
+         kGainDeviations * std::sqrt(variance(before, pair.map.conflict) + variance(after, pair.registered->conflict));
 }
 
 // Half of the conflict goes when the source moves, and more fits. Things that were moved in between do not go by moving
