@@ -49,7 +49,7 @@ def support_grew(row):
     before, after = value(row, "conflict") or 0.0, value(row, "conflict_registered") or 0.0
     if after > 1.5 * before:
         return False
-    gone = before - after >= 0.02 and after <= 0.5 * before
+    gone = before - after >= 0.002 and after <= 0.5 * before  # and not by chance, which result.json cannot tell
     factor = 3.0 if after > before else 1.1 if gone else 1.3
     return end - factor * start > 3.0 * math.sqrt(end + factor * factor * start)
 
