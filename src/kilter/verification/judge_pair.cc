@@ -29,8 +29,8 @@ constexpr double kWrongWhenDoubted = 0.25;
 // It starts at the map's pose, and a wide search leaves that basin for a better one only: from a right pose it ends
 // beyond the tolerance this much more rarely than from a wrong one, doubted or not, as long as conflict does not grow
 // on the way; where it does, as in the storey above, right poses are left as often. Of pairs off by more than the
-// tolerance 24 % are doubted and ended beyond it, of the others 0.05 % (2 of 3,879), which is a ratio of 467, 129 to
-// 3,860 with 95 % (`benchmarks/accuracy/run --parts drift`).
+// tolerance 24 % are doubted and ended beyond it, of the others 0.05 % (2 of 3,879), which is a ratio of 465, 128 to
+// 3,840 with 95 % (`benchmarks/accuracy/run --parts drift`).
 constexpr double kLeavesRightPlace = 0.0025;
 // An ambiguous registration is believed if this many around it agree.
 constexpr int kSupported = 2;

@@ -66,12 +66,16 @@ bool stays_in_view(const PairEvidence& pair) {
          kept(static_cast<double>(pair.map.conflict.known()), static_cast<double>(after.conflict.known()));
 }
 
+bool half_the_conflict_goes(const PairEvidence& pair) {
+  return pair.registered->conflict.share() <= kConflictLeft * pair.map.conflict.share();
+}
+
 // Conflict falls by half at least, and by much; or, in what both poses know, by more than two counts of things that
 // conflict may differ.
 bool conflict_went(const PairEvidence& pair) {
   const double before = pair.map.conflict.share();
   const double after = pair.registered->conflict.share();
-  if (after > kConflictLeft * before || before - after < kLeastConflictGone) return false;
+  if (!half_the_conflict_goes(pair) || before - after < kLeastConflictGone) return false;
   if (before - after >= kMuchConflictGone) return true;
   if (!stays_in_view(pair)) return false;
   const double a_thing = kVoxelsOfAThing * pair.grain.voxels_per_cell;
@@ -85,8 +89,8 @@ bool conflict_went(const PairEvidence& pair) {
 // Half of the conflict goes when the source moves, and more fits. Things that were moved in between do not go by moving
 // the submap.
 bool conflict_is_mended(const PairEvidence& pair) {
-  return pair.registered && pair.registered->conflict.share() <= kConflictLeft * pair.map.conflict.share() &&
-         stays_in_view(pair) && support_grew(*pair.registration, kLeastGainWithFreeSpace);
+  return pair.registered && half_the_conflict_goes(pair) && stays_in_view(pair) &&
+         support_grew(*pair.registration, kLeastGainWithFreeSpace);
 }
 
 // How much conflict a disagreement of the tolerance may make. A surface that stands where the other submap saw through
