@@ -19,9 +19,9 @@ constexpr std::uint32_t kEnoughTogether = 10;
 // Blocks of one row ask together while their voxels are few: what lies around them is looked up once.
 constexpr std::uint64_t kMostInRow = 6;
 constexpr std::uint32_t kFew = 256;
-
-constexpr FloatBox kNoBox = {{ClusteredPoints::kNowhere, ClusteredPoints::kNowhere, ClusteredPoints::kNowhere},
-                             {-ClusteredPoints::kNowhere, -ClusteredPoints::kNowhere, -ClusteredPoints::kNowhere}};
+// How far what is looked at together lies from those who ask, as shares of a block's edge: most answers are near.
+constexpr std::array kRings = {0.375F, 0.75F};
+constexpr float kNothing_m2 = -1.0F;  // no gap is as small
 
 }  // namespace
 
@@ -31,163 +31,183 @@ class BlocksAsking {
   BlocksAsking(const NearestVoxelSearch& source, const NearestVoxelSearch& target, const Pose3& T_target_source,
                double limit_m, VectorPath path)
       : source_(source),
+        from_(source.clusters()),
         target_(target),
+        onto_(target.clusters()),
         T_(T_target_source.isometry()),
         limit_m_(limit_m),
         // A little slack so that rounding to float never hides a voxel at exactly the limit; checked in double below.
         limit_m2_(static_cast<float>(limit_m * limit_m * 1.0001 + 1e-12)),
-        scan_(scan_for_many_with(path)) {}
+        kernels_(many_search_kernels(path)) {
+    for (const float share : kRings) {
+      const float m = share * kBlockSize * static_cast<float>(target.map().resolution_m());
+      if (m * m < limit_m2_) rings_.push_back({m * m, {}});
+    }
+    rings_.push_back({limit_m2_, {}});
+  }
 
   // Takes the voxels of a block, and of those behind it in its row while they are few. \return the next block.
   std::size_t ask(std::size_t block, std::vector<NearestVoxel>& found) {
-    NearestVoxelSearch::ClusterRange clusters = source_.of_block_[block];
-    const std::span<const VoxelBlock> blocks = source_.map_->blocks();
+    const std::span<const VoxelClusters::Block> blocks = from_.blocks();
+    VoxelClusters::Range clusters = blocks[block].clusters;
     const std::uint64_t last = blocks[block].key + kMostInRow;
-    std::uint32_t voxels = blocks[block].voxel_count;
+    const std::vector<std::uint32_t>& first_of = from_.boxes().first;
     for (++block; block < blocks.size() && blocks[block].key <= last; ++block) {
-      voxels += blocks[block].voxel_count;
-      if (voxels > kFew) break;
-      clusters.end = source_.of_block_[block].end;
+      if (first_of[blocks[block].clusters.end] - first_of[clusters.first] > kFew) break;
+      clusters.end = blocks[block].clusters.end;
     }
-    if (clusters.first == clusters.end) return block;
-    gather(clusters);
-    collect();
-    for (AskingPoints& asking : asking_) scan_(target_.points_, groups_, asking);
-    answer(source_.clusters_[clusters.first].first, found);
+    bound(clusters);
+    find_rows();
+    bool any = false;
+    for (std::size_t k = 0; k < rings_.size() && !any && !rows_.empty(); ++k) any = !ring(k).empty();
+    if (any) answer_all(clusters, found);
     return block;
   }
 
  private:
-  // Blocks beside each other along one axis and the square gap of each.
-  struct Line {
-    int first = 0;
-    std::vector<float> gaps_m2;
+  // Clusters of the target in a row of blocks.
+  struct Row {
+    VoxelClusters::Range clusters;
+    float gap_m2 = 0.0F;  // at least, from the box of those who ask
+  };
+  // Clusters of the target, as far from the box of those who ask as the ring before does not reach.
+  struct Ring {
+    float reach_m2 = 0.0F;
+    std::vector<ClusterGroup> groups;
   };
 
-  void gather(const NearestVoxelSearch::ClusterRange& clusters);
-  void add(std::uint32_t slot);
-  void line_up(std::size_t axis, float reach_m, Line& line) const;
-  void collect();
-  void add_clusters(std::size_t block);
-  void answer(std::uint32_t slot, std::vector<NearestVoxel>& found) const;
+  void bound(const VoxelClusters::Range& clusters);
+  void find_rows();
+  const std::vector<ClusterGroup>& ring(std::size_t k);
+  void answer_all(const VoxelClusters::Range& clusters, std::vector<NearestVoxel>& found);
+  void gather(std::uint32_t first, std::uint32_t count);
+  void answer(std::uint32_t first, std::vector<NearestVoxel>& found) const;
 
   const NearestVoxelSearch& source_;
+  const VoxelClusters& from_;
   const NearestVoxelSearch& target_;
+  const VoxelClusters& onto_;
   Eigen::Isometry3d T_;
   double limit_m_;
   float limit_m2_;
-  ScanForMany scan_;
-  std::vector<Eigen::Vector3d> at_m_;  // of those who ask, in the target's frame, by slot
-  std::vector<AskingPoints> asking_;
-  FloatBox box_;  // around them all
-  std::array<Line, 3> lines_;
-  std::vector<ClusterGroup> groups_;  // of the target, that may be near anyone
+  ManySearchKernels kernels_;
+  FloatBox box_;           // around all who may ask, in the target's frame
+  std::vector<Row> rows_;  // that may hold something within the limit
+  std::vector<Ring> rings_;
+  std::size_t known_ = 0;  // of the rings
+  AskingPoints asking_;
 };
 
-void BlocksAsking::gather(const NearestVoxelSearch::ClusterRange& clusters) {
-  at_m_.clear();
-  asking_.clear();
-  box_ = kNoBox;
+// Around the corners of the clusters' boxes.
+void BlocksAsking::bound(const VoxelClusters::Range& clusters) {
+  const double slack_m = kSlackVoxels * target_.map().resolution_m();
+  const Eigen::Matrix3d turned = T_.linear().cwiseAbs();
+  Eigen::AlignedBox3d box_m;
   for (std::uint32_t k = clusters.first; k < clusters.end; ++k) {
-    const Cluster& cluster = source_.clusters_[k];
-    if (asking_.empty() || asking_.back().count >= kEnoughTogether) asking_.emplace_back();
-    for (std::uint32_t slot = cluster.first; slot < cluster.end; ++slot) {
-      if (asking_.back().count == kMostLanes) asking_.emplace_back();
-      add(slot);
-    }
+    const Cluster cluster = from_.boxes()[k];
+    const Eigen::Vector3d low_m = Eigen::Map<const Eigen::Vector3f>(cluster.low_m.data()).cast<double>();
+    const Eigen::Vector3d high_m = Eigen::Map<const Eigen::Vector3f>(cluster.high_m.data()).cast<double>();
+    const Eigen::Vector3d middle_m = T_ * Eigen::Vector3d(0.5 * (low_m + high_m));
+    const Eigen::Vector3d half_m = turned * (0.5 * (high_m - low_m)) + Eigen::Vector3d::Constant(slack_m);
+    box_m.extend(middle_m - half_m).extend(middle_m + half_m);
   }
-  for (AskingPoints& asking : asking_) {
-    const std::uint32_t last = asking.count - 1;
-    for (std::uint32_t lane = asking.count; lane < kMostLanes; ++lane) {
-      asking.x[lane] = asking.x[last];
-      asking.y[lane] = asking.y[last];
-      asking.z[lane] = asking.z[last];
-    }
-    const auto bound = [](const AskingPoints::Floats& lanes, float& low, float& high) {
-      low = *std::min_element(lanes.begin(), lanes.end());
-      high = *std::max_element(lanes.begin(), lanes.end());
-    };
-    bound(asking.x, asking.box.low_m[0], asking.box.high_m[0]);
-    bound(asking.y, asking.box.low_m[1], asking.box.high_m[1]);
-    bound(asking.z, asking.box.low_m[2], asking.box.high_m[2]);
-    asking.square_m2.fill(limit_m2_);
-    asking.farthest_m2 = limit_m2_;
-    asking.number.fill(ClusteredPoints::kNoNumber);
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      box_.low_m[axis] = std::min(box_.low_m[axis], asking.box.low_m[axis]);
-      box_.high_m[axis] = std::max(box_.high_m[axis], asking.box.high_m[axis]);
-    }
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    box_.low_m[axis] = static_cast<float>(box_m.min()[static_cast<Eigen::Index>(axis)]);
+    box_.high_m[axis] = static_cast<float>(box_m.max()[static_cast<Eigen::Index>(axis)]);
   }
 }
 
-void BlocksAsking::add(std::uint32_t slot) {
-  const auto voxel = static_cast<std::size_t>(source_.points_.number[slot]);
-  const Eigen::Vector3d at_m = T_ * voxel_position_m(*source_.map_, voxel, source_.position_);
-  const Eigen::Vector3f point_m = at_m.cast<float>();
-  at_m_.push_back(at_m);
-  AskingPoints& asking = asking_.back();
-  asking.x[asking.count] = point_m.x();
-  asking.y[asking.count] = point_m.y();
-  asking.z[asking.count] = point_m.z();
-  ++asking.count;
-}
-
-// How far the target's blocks of each row, column or layer lie from the box of those who ask.
-void BlocksAsking::line_up(std::size_t axis, float reach_m, Line& line) const {
-  const double edge_m = kBlockSize * target_.map_->resolution_m();
-  const double low_m = box_.low_m[axis];
-  const double high_m = box_.high_m[axis];
-  line.first = static_cast<int>(std::floor((low_m - reach_m) / edge_m));
-  const int end = static_cast<int>(std::floor((high_m + reach_m) / edge_m)) + 1;
-  line.gaps_m2.clear();
-  for (int k = line.first; k < end; ++k) {
-    const double gap_m = std::max({k * edge_m - high_m, low_m - (k + 1) * edge_m, 0.0});
-    line.gaps_m2.push_back(static_cast<float>(gap_m * gap_m));
+void BlocksAsking::find_rows() {
+  rows_.clear();
+  known_ = 0;
+  const double edge_m = kBlockSize * target_.map().resolution_m();
+  const double reach_m = limit_m_ + kSlackVoxels * target_.map().resolution_m();
+  std::array<int, 3> first{};
+  std::array<int, 3> last{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    first[axis] = whole_below((box_.low_m[axis] - reach_m) / edge_m);
+    last[axis] = whole_below((box_.high_m[axis] + reach_m) / edge_m);
   }
-}
-
-// The target's clusters that may hold something within the limit for anyone.
-void BlocksAsking::collect() {
-  groups_.clear();
-  const auto reach_m = static_cast<float>(limit_m_ + kSlackVoxels * target_.map_->resolution_m());
-  const float reach_m2 = reach_m * reach_m;
-  for (std::size_t axis = 0; axis < 3; ++axis) line_up(axis, reach_m, lines_[axis]);
-  const auto& [columns, rows, layers] = lines_;
-  for (std::size_t z = 0; z < layers.gaps_m2.size(); ++z) {
-    for (std::size_t y = 0; y < rows.gaps_m2.size(); ++y) {
-      const float gap_m2 = layers.gaps_m2[z] + rows.gaps_m2[y];
-      if (gap_m2 > reach_m2) continue;
-      for (std::size_t x = 0; x < columns.gaps_m2.size(); ++x) {
-        if (gap_m2 + columns.gaps_m2[x] > reach_m2) continue;
-        const std::int32_t number =
-            target_.map_->find_block({columns.first + static_cast<int>(x), rows.first + static_cast<int>(y),
-                                      layers.first + static_cast<int>(z)});
-        if (number != BlockIndex::kNone) add_clusters(static_cast<std::size_t>(number));
-      }
+  const auto gap_m = [&](std::size_t axis, int k) {
+    return std::max({k * edge_m - box_.high_m[axis], box_.low_m[axis] - (k + 1) * edge_m, 0.0});
+  };
+  for (int z = first[2]; z <= last[2]; ++z) {
+    const double layer_m = gap_m(2, z);
+    for (int y = first[1]; y <= last[1]; ++y) {
+      const double row_m = gap_m(1, y);
+      const double gap_m2 = layer_m * layer_m + row_m * row_m;
+      if (gap_m2 > reach_m * reach_m) continue;
+      const VoxelClusters::Range clusters = onto_.in_row(first[0], last[0] + 1, y, z);
+      if (clusters.first < clusters.end) rows_.push_back({clusters, kRoundedDown * static_cast<float>(gap_m2)});
     }
   }
 }
 
-void BlocksAsking::add_clusters(std::size_t block) {
-  const NearestVoxelSearch::ClusterRange range = target_.of_block_[block];
-  for (std::uint32_t i = range.first; i < range.end; ++i) {
-    const Cluster& cluster = target_.clusters_[i];
-    if (kRoundedDown * box_.square_gap_m2(cluster) > limit_m2_) continue;
-    if (groups_.empty() || groups_.back().full()) groups_.emplace_back(0.0F);
-    groups_.back().add(cluster);
+// Most need nothing of the later ones.
+const std::vector<ClusterGroup>& BlocksAsking::ring(std::size_t k) {
+  for (; known_ <= k; ++known_) {
+    Ring& ring = rings_[known_];
+    ring.groups.clear();
+    const float above_m2 = known_ == 0 ? kNothing_m2 : rings_[known_ - 1].reach_m2;
+    for (const Row& row : rows_) {
+      if (row.gap_m2 > ring.reach_m2) continue;
+      kernels_.pick(onto_.boxes(), row.clusters.first, row.clusters.end, box_, above_m2, ring.reach_m2, ring.groups);
+    }
+  }
+  return rings_[k].groups;
+}
+
+// Those who ask together are of one cluster, unless it is nearly empty.
+void BlocksAsking::answer_all(const VoxelClusters::Range& clusters, std::vector<NearestVoxel>& found) {
+  const std::vector<std::uint32_t>& first_of = from_.boxes().first;
+  const std::uint32_t end = first_of[clusters.end];
+  std::uint32_t k = clusters.first;
+  for (std::uint32_t first = first_of[k]; first < end;) {
+    while (first_of[k + 1] - first < kEnoughTogether && k + 1 < clusters.end) ++k;
+    const std::uint32_t count = std::min(first_of[k + 1] - first, kMostLanes);
+    gather(first, count);
+    float reached_m2 = kNothing_m2;
+    for (std::size_t ring_number = 0; ring_number < rings_.size() && asking_.farthest_m2 > reached_m2; ++ring_number) {
+      const std::vector<ClusterGroup>& groups = ring(ring_number);
+      if (!groups.empty()) kernels_.scan(onto_.points(), groups, asking_);
+      reached_m2 = rings_[ring_number].reach_m2;
+    }
+    answer(first, found);
+    first += count;
+    if (first == first_of[k + 1]) ++k;
   }
 }
 
-void BlocksAsking::answer(std::uint32_t slot, std::vector<NearestVoxel>& found) const {
-  std::size_t k = 0;
-  for (const AskingPoints& asking : asking_) {
-    for (std::uint32_t lane = 0; lane < asking.count; ++lane, ++k, ++slot) {
-      if (asking.number[lane] == ClusteredPoints::kNoNumber) continue;
-      const auto voxel = static_cast<std::uint32_t>(asking.number[lane]);
-      const double distance_m = (voxel_position_m(*target_.map_, voxel, target_.position_) - at_m_[k]).norm();
-      if (distance_m > limit_m_) continue;
-      found[static_cast<std::size_t>(source_.points_.number[slot])] = {voxel, distance_m};
+void BlocksAsking::gather(std::uint32_t first, std::uint32_t count) {
+  const ClusteredPoints& points = from_.points();
+  const std::array<const float*, 3> columns = {points.x.data() + first, points.y.data() + first,
+                                               points.z.data() + first};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    for (std::uint32_t lane = 0; lane < kMostLanes; ++lane) asking_.at_m[axis][lane] = columns[axis][lane];
+  }
+  if (source_.position() == VoxelPosition::kCentre) {  // whose floats are rounded
+    for (std::uint32_t lane = 0; lane < count; ++lane) {
+      const auto voxel = static_cast<std::size_t>(points.number[first + lane]);
+      const Eigen::Vector3d at_m = voxel_position_m(source_.map(), voxel, VoxelPosition::kCentre);
+      for (std::size_t axis = 0; axis < 3; ++axis) asking_.at_m[axis][lane] = at_m[static_cast<Eigen::Index>(axis)];
     }
+  }
+  for (AskingPoints::Doubles& axis : asking_.at_m) std::fill(axis.begin() + count, axis.end(), axis[count - 1]);
+  kernels_.move(T_, asking_);
+  asking_.square_m2.fill(limit_m2_);
+  asking_.farthest_m2 = limit_m2_;
+  asking_.number.fill(ClusteredPoints::kNoNumber);
+  asking_.count = count;
+}
+
+void BlocksAsking::answer(std::uint32_t first, std::vector<NearestVoxel>& found) const {
+  for (std::uint32_t lane = 0; lane < asking_.count; ++lane) {
+    if (asking_.number[lane] == ClusteredPoints::kNoNumber) continue;
+    const auto voxel = static_cast<std::uint32_t>(asking_.number[lane]);
+    const Eigen::Vector3d at_m(asking_.at_m[0][lane], asking_.at_m[1][lane], asking_.at_m[2][lane]);
+    const double distance_m = (voxel_position_m(target_.map(), voxel, target_.position()) - at_m).norm();
+    if (distance_m > limit_m_) continue;
+    found[static_cast<std::size_t>(from_.points().number[first + lane])] = {voxel, distance_m};
   }
 }
 
@@ -198,7 +218,7 @@ std::vector<NearestVoxel> nearest_of_all(const NearestVoxelSearch& source, const
   std::vector<NearestVoxel> found(source.map().voxels().size(), NearestVoxel{kNoVoxel, 0.0});
   if (target.map().voxels().size() == 0) return found;
   BlocksAsking asking(source, target, T_target_source, limit_m, path);
-  for (std::size_t block = 0; block < source.map().blocks().size();) block = asking.ask(block, found);
+  for (std::size_t block = 0; block < source.clusters().blocks().size();) block = asking.ask(block, found);
   return found;
 }
 

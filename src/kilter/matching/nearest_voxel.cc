@@ -16,11 +16,6 @@ namespace {
 // a voxel.
 constexpr std::array kRings = {0.125, 0.375};
 
-int cluster_of(const VoxelIndex& voxel) {
-  constexpr int kHalf = kBlockShift - 1;
-  return (voxel.x() >> kHalf & 1) | (voxel.y() >> kHalf & 1) << 1 | (voxel.z() >> kHalf & 1) << 2;
-}
-
 }  // namespace
 
 NearestVoxelSearch::NearestVoxelSearch(const VoxelMap& map, VoxelPosition position, double max_distance_m,
@@ -29,51 +24,10 @@ NearestVoxelSearch::NearestVoxelSearch(const VoxelMap& map, VoxelPosition positi
       position_(position),
       max_distance_m_(max_distance_m),
       path_(path),
-      points_(map.voxels().size()),
-      of_block_(map.blocks().size()),
+      clusters_(map, position),
       scan_(scan_clusters_with(path)) {
   KILTER_EXPECTS(max_distance_m > 0.0);
-  for (std::size_t block = 0; block < map.blocks().size(); ++block) {
-    of_block_[block].first = static_cast<std::uint32_t>(clusters_.size());
-    add_clusters(map.blocks()[block]);
-    of_block_[block].end = static_cast<std::uint32_t>(clusters_.size());
-  }
   plan_steps();
-}
-
-void NearestVoxelSearch::add_clusters(const VoxelBlock& block) {
-  constexpr std::size_t kClusters = 8;
-  const std::span<const VoxelIndex> voxels(map_->indices().data() + block.first_voxel, block.voxel_count);
-  std::array<std::uint32_t, kClusters> next{};
-  for (const VoxelIndex& voxel : voxels) ++next[static_cast<std::size_t>(cluster_of(voxel))];
-  std::array<std::size_t, kClusters> number{};
-  std::uint32_t first = block.first_voxel;
-  for (std::size_t k = 0; k < kClusters; ++k) {
-    const std::uint32_t count = next[k];
-    next[k] = first;
-    if (count == 0) continue;
-    number[k] = clusters_.size();
-    clusters_.push_back({{ClusteredPoints::kNowhere, ClusteredPoints::kNowhere, ClusteredPoints::kNowhere},
-                         {-ClusteredPoints::kNowhere, -ClusteredPoints::kNowhere, -ClusteredPoints::kNowhere},
-                         first,
-                         first + count});
-    first += count;
-  }
-  for (std::size_t i = 0; i < voxels.size(); ++i) {
-    const auto k = static_cast<std::size_t>(cluster_of(voxels[i]));
-    const std::size_t voxel = block.first_voxel + i;
-    const std::size_t slot = next[k]++;
-    const Eigen::Vector3f at_m = voxel_position_m(*map_, voxel, position_).cast<float>();
-    points_.x[slot] = at_m.x();
-    points_.y[slot] = at_m.y();
-    points_.z[slot] = at_m.z();
-    points_.number[slot] = static_cast<std::int32_t>(voxel);
-    Cluster& cluster = clusters_[number[k]];
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      cluster.low_m[axis] = std::min(cluster.low_m[axis], at_m[static_cast<Eigen::Index>(axis)]);
-      cluster.high_m[axis] = std::max(cluster.high_m[axis], at_m[static_cast<Eigen::Index>(axis)]);
-    }
-  }
 }
 
 // Shells of blocks that are equally far from the home block. The innermost, which touches it, is looked at ring by
@@ -131,9 +85,8 @@ const NearestVoxelField* NearestVoxelSearch::field() const {
 
 std::size_t NearestVoxelSearch::bytes() const {
   const NearestVoxelField* field = field_->made.load(std::memory_order_acquire);
-  return points_.x.size() * (3 * sizeof(float) + sizeof(std::int32_t)) + clusters_.size() * sizeof(Cluster) +
-         of_block_.size() * sizeof(ClusterRange) + offsets_.size() * sizeof(Eigen::Vector3i) +
-         steps_.size() * sizeof(Step) + (field == nullptr ? 0 : field->bytes());
+  return clusters_.bytes() + offsets_.size() * sizeof(Eigen::Vector3i) + steps_.size() * sizeof(Step) +
+         (field == nullptr ? 0 : field->bytes());
 }
 
 NearestVoxelCursor::NearestVoxelCursor(const NearestVoxelSearch& search) : search_(&search) {}
@@ -152,8 +105,8 @@ NearestVoxelCursor::Home& NearestVoxelCursor::home_at(const Eigen::Vector3i& blo
 bool NearestVoxelCursor::extend(Home& home, float best_m2) const {
   if (home.steps == search_->steps_.size() || search_->steps_[home.steps].least_m2 > best_m2) return false;
   const NearestVoxelSearch::Step& step = search_->steps_[home.steps++];
-  const VoxelMap& map = *search_->map_;
-  const double edge_m = kBlockSize * map.resolution_m();
+  const ClusterBoxes& boxes = search_->clusters_.boxes();
+  const double edge_m = kBlockSize * search_->map_->resolution_m();
   FloatBox box;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const int at = home.at[static_cast<Eigen::Index>(axis)];
@@ -168,14 +121,12 @@ bool NearestVoxelCursor::extend(Home& home, float best_m2) const {
     group = ClusterGroup(step.least_m2);
   };
   for (const Farther& left : home.farther) {
-    if (left.gap_m2 >= step.from_m2 && left.gap_m2 < step.to_m2) add(search_->clusters_[left.cluster]);
+    if (left.gap_m2 >= step.from_m2 && left.gap_m2 < step.to_m2) add(boxes[left.cluster]);
   }
   for (std::uint32_t k = step.first; k < step.end; ++k) {
-    const std::int32_t number = map.find_block(home.at + search_->offsets_[k]);
-    if (number == BlockIndex::kNone) continue;
-    const NearestVoxelSearch::ClusterRange range = search_->of_block_[static_cast<std::size_t>(number)];
+    const VoxelClusters::Range range = search_->clusters_.in_block(home.at + search_->offsets_[k]);
     for (std::uint32_t i = range.first; i < range.end; ++i) {
-      const Cluster& cluster = search_->clusters_[i];
+      const Cluster cluster = boxes[i];
       const float gap_m2 = box.square_gap_m2(cluster);
       if (gap_m2 < step.to_m2) {
         add(cluster);
@@ -208,7 +159,7 @@ std::optional<NearestVoxel> NearestVoxelCursor::nearest(const Eigen::Vector3d& p
   }
   std::size_t looked_at = 0;
   do {
-    search_->scan_(search_->points_, std::span(home.groups).subspan(looked_at), point.data(), best);
+    search_->scan_(search_->clusters_.points(), std::span(home.groups).subspan(looked_at), point.data(), best);
     looked_at = home.groups.size();
   } while (extend(home, best.square_m2));
   if (best.number == ClusteredPoints::kNoNumber) return std::nullopt;

@@ -16,22 +16,11 @@
 
 #include "kilter/matching/nearest_voxel_field.h"
 #include "kilter/matching/scan_clusters.h"
+#include "kilter/matching/voxel_clusters.h"
 #include "kilter/occupancy/key_numbers.h"
 #include "kilter/occupancy/voxel_map.h"
 
 namespace kilter {
-
-/// Which point stands for a voxel.
-enum class VoxelPosition {
-  kCentre,    ///< the middle of the lattice cell, as in the seed
-  kCentroid,  ///< the mean of the hits inside
-};
-
-/// Position of occupied voxel i in the map's frame. [m]
-[[nodiscard]] inline Eigen::Vector3d voxel_position_m(const VoxelMap& map, std::size_t i, VoxelPosition position) {
-  if (position == VoxelPosition::kCentroid) return map.voxels().centroids_m[i].cast<double>();
-  return voxel_centre(map.indices()[i], map.resolution_m());
-}
 
 /// An occupied voxel and how far it is. [m]
 struct NearestVoxel {
@@ -60,13 +49,13 @@ class NearestVoxelSearch {
   [[nodiscard]] VoxelPosition position() const { return position_; }
   [[nodiscard]] double max_distance_m() const { return max_distance_m_; }
   [[nodiscard]] VectorPath path() const { return path_; }
+  [[nodiscard]] const VoxelClusters& clusters() const { return clusters_; }
   /// Memory held by now, the field's included and the map's own left out. Grows with what was asked of the field.
   /// [bytes]
   [[nodiscard]] std::size_t bytes() const;
 
  private:
   friend class NearestVoxelCursor;
-  friend class BlocksAsking;
   struct LazyField {
     std::once_flag asked;
     std::unique_ptr<const NearestVoxelField> field;
@@ -81,21 +70,13 @@ class NearestVoxelSearch {
     float least_m2 = 0.0F;  // nobody in the home block is nearer to any of them
   };
 
-  // Clusters of one block.
-  struct ClusterRange {
-    std::uint32_t first = 0;
-    std::uint32_t end = 0;
-  };
-  void add_clusters(const VoxelBlock& block);
   void plan_steps();
 
   const VoxelMap* map_;
   VoxelPosition position_;
   double max_distance_m_;
   VectorPath path_;
-  ClusteredPoints points_;  // clusters of a block one after the other, blocks as in the map
-  std::vector<Cluster> clusters_;
-  std::vector<ClusterRange> of_block_;
+  VoxelClusters clusters_;
   ScanClusters scan_;
   std::vector<Eigen::Vector3i> offsets_;  // of blocks that may hold what is near
   std::vector<Step> steps_;               // sorted by least distance

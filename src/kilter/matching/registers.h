@@ -8,24 +8,31 @@
 
 namespace kilter {
 
-/// A register of so many lanes of 32 bits. Functions that are templates of the number are written once; each caller's
-/// target decides which instructions they become. (g++ 12 takes the size of a vector from no template's argument.)
+/// A register of so many lanes of 32 bits, or half as many of 64. Functions that are templates of the number are
+/// written once; each caller's target decides which instructions they become. (g++ 12 takes the size of a vector from
+/// no template's argument.)
 template <std::uint32_t kLanes>
 struct Register;
 template <>
 struct Register<4> {
   using Floats = float __attribute__((vector_size(16)));
   using Ints = std::int32_t __attribute__((vector_size(16)));
+  using Doubles = double __attribute__((vector_size(16)));
+  using HalfFloats = float __attribute__((vector_size(8)));
 };
 template <>
 struct Register<8> {
   using Floats = float __attribute__((vector_size(32)));
   using Ints = std::int32_t __attribute__((vector_size(32)));
+  using Doubles = double __attribute__((vector_size(32)));
+  using HalfFloats = float __attribute__((vector_size(16)));
 };
 template <>
 struct Register<16> {
   using Floats = float __attribute__((vector_size(64)));
   using Ints = std::int32_t __attribute__((vector_size(64)));
+  using Doubles = double __attribute__((vector_size(64)));
+  using HalfFloats = float __attribute__((vector_size(32)));
 };
 
 /// A bit for each lane of the widest register.

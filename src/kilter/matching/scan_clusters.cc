@@ -139,6 +139,21 @@ float FloatBox::square_gap_m2(const Cluster& cluster) const {
   return square_m2;
 }
 
+void ClusterBoxes::add(const Cluster& cluster) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    low_m[axis].push_back(cluster.low_m[axis]);
+    high_m[axis].push_back(cluster.high_m[axis]);
+  }
+  first.push_back(cluster.first);
+  ++size_;
+}
+
+void ClusterBoxes::close(std::uint32_t points) {
+  for (std::vector<float>& axis : low_m) axis.resize(size_ + kMostLanes, ClusteredPoints::kNowhere);
+  for (std::vector<float>& axis : high_m) axis.resize(size_ + kMostLanes, ClusteredPoints::kNowhere);
+  first.push_back(points);
+}
+
 ClusterGroup::ClusterGroup(float least) : least_m2(least) {
   for (Floats& axis : low_m) axis.fill(ClusteredPoints::kNowhere);
   for (Floats& axis : high_m) axis.fill(ClusteredPoints::kNowhere);

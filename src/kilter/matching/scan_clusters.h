@@ -29,6 +29,7 @@ class ClusteredPoints {
         y(count + kMostLanes, kNowhere),
         z(count + kMostLanes, kNowhere),
         number(count + kMostLanes, kNoNumber) {}
+  [[nodiscard]] std::size_t bytes() const { return x.size() * (3 * sizeof(float) + sizeof(std::int32_t)); }
 
   std::vector<float> x, y, z;
   std::vector<std::int32_t> number;
@@ -40,6 +41,32 @@ struct Cluster {
   std::array<float, 3> high_m{};
   std::uint32_t first = 0;
   std::uint32_t end = 0;
+};
+
+/// Clusters whose points stand one after the other, as columns of their boxes, with room behind the last one so that
+/// whole registers can be read from any of them.
+class ClusterBoxes {
+ public:
+  /// Precondition: its points begin where those of the last one end.
+  void add(const Cluster& cluster);
+  /// After the last one; `points` is the number of all of them.
+  void close(std::uint32_t points);
+
+  [[nodiscard]] std::uint32_t size() const { return size_; }
+  [[nodiscard]] Cluster operator[](std::size_t k) const {
+    return {
+        {low_m[0][k], low_m[1][k], low_m[2][k]}, {high_m[0][k], high_m[1][k], high_m[2][k]}, first[k], first[k + 1]};
+  }
+  [[nodiscard]] std::size_t bytes() const {
+    return low_m[0].size() * 6 * sizeof(float) + first.size() * sizeof(std::uint32_t);
+  }
+
+  std::array<std::vector<float>, 3> low_m;
+  std::array<std::vector<float>, 3> high_m;
+  std::vector<std::uint32_t> first;  ///< point of each cluster; one more for where the last one ends
+
+ private:
+  std::uint32_t size_ = 0;
 };
 
 /// Squares of distances to boxes are multiplied by this: floats are never more wrong.
@@ -62,6 +89,16 @@ class ClusterGroup {
   /// \param least  nobody who asks is nearer to any of them. [m^2]
   explicit ClusterGroup(float least);
   void add(const Cluster& cluster);
+  /// Cluster k of columns.
+  void add(const ClusterBoxes& boxes, std::size_t k) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      low_m[axis][size_] = boxes.low_m[axis][k];
+      high_m[axis][size_] = boxes.high_m[axis][k];
+    }
+    first[size_] = boxes.first[k];
+    end[size_] = boxes.first[k + 1];
+    ++size_;
+  }
   [[nodiscard]] bool full() const { return size_ == kMostLanes; }
   [[nodiscard]] bool empty() const { return size_ == 0; }
 

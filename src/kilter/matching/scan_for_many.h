@@ -2,9 +2,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <Eigen/Geometry>
 #include <array>
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include "kilter/matching/scan_clusters.h"
 
@@ -14,10 +16,10 @@ namespace kilter {
 /// `count` repeat the last one.
 struct AskingPoints {
   using Floats = std::array<float, kMostLanes>;
+  using Doubles = std::array<double, kMostLanes>;
 
-  alignas(64) Floats x{};
-  Floats y{};
-  Floats z{};
+  alignas(64) std::array<Doubles, 3> at_m{};      ///< by axis
+  std::array<Floats, 3> rounded_m{};              ///< the same, which is what is searched with
   Floats square_m2{};                             ///< to the nearest, or the squared limit
   std::array<std::int32_t, kMostLanes> number{};  ///< of the nearest; ClusteredPoints::kNoNumber: none yet
   FloatBox box;                                   ///< around them
@@ -25,11 +27,18 @@ struct AskingPoints {
   std::uint32_t count = 0;
 };
 
-/// Looks through clusters for a point nearer to each of `asking` than what it has, or as near with a lower number. The
-/// answer for each is that of ScanClusters, to the bit.
-using ScanForMany = void (*)(const ClusteredPoints& points, std::span<const ClusterGroup> groups, AskingPoints& asking);
+/// What a search for many points is made of. All paths do the same operations on each element in the same precision.
+struct ManySearchKernels {
+  /// Adds those of clusters [first, end) whose square distance from a box is above one bound and at most the other.
+  void (*pick)(const ClusterBoxes& boxes, std::uint32_t first, std::uint32_t end, const FloatBox& box, float above_m2,
+               float at_most_m2, std::vector<ClusterGroup>& groups);
+  /// Brings at_m into another frame, and sets the box and what is rounded.
+  void (*move)(const Eigen::Isometry3d& T, AskingPoints& asking);
+  /// Looks through clusters for a point nearer to each of `asking` than what it has, or as near with a lower number.
+  /// The answer for each is that of ScanClusters, to the bit.
+  void (*scan)(const ClusteredPoints& points, std::span<const ClusterGroup> groups, AskingPoints& asking);
+};
 
-/// All of them do the same operations on each pair of points in the same precision.
-[[nodiscard]] ScanForMany scan_for_many_with(VectorPath path);
+[[nodiscard]] ManySearchKernels many_search_kernels(VectorPath path);
 
 }  // namespace kilter
