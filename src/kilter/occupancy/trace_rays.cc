@@ -9,6 +9,8 @@
 #include <cstdint>
 #include <limits>
 
+#include "kilter/base/vector_target.h"
+
 #if defined(__x86_64__)
 #include <immintrin.h>
 #elif defined(__aarch64__)
@@ -109,17 +111,6 @@ void fill_chunk(const Fan& fan, const RayEnds& ends_m, std::size_t first, Chunk&
 }  // namespace
 
 #if defined(__x86_64__)
-// Between these two, functions are compiled for the named instructions.
-#define KILTER_PRAGMA(text) _Pragma(#text)
-#if defined(__clang__)
-#define KILTER_BEGIN_TARGET(name) \
-  KILTER_PRAGMA(clang attribute push(__attribute__((target(name))), apply_to = function))
-#define KILTER_END_TARGET KILTER_PRAGMA(clang attribute pop)
-#else
-#define KILTER_BEGIN_TARGET(name) KILTER_PRAGMA(GCC push_options) KILTER_PRAGMA(GCC target(name))
-#define KILTER_END_TARGET KILTER_PRAGMA(GCC pop_options)
-#endif
-
 KILTER_BEGIN_TARGET("avx2")
 namespace avx2 {
 #include "kilter/occupancy/trace_rays_avx2.inc"
