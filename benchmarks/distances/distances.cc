@@ -122,12 +122,8 @@ std::string floor_row(const std::string& name, const Side& source, const Side& t
   const NearestVoxelField field(target.map, kLimit_m);
   const Eigen::Isometry3d T = pose.isometry();
   std::unordered_set<std::size_t> lines;
-  PointColumns at_m;
-  NearestVoxelField::Wheres where;
   for (const Eigen::Vector3f& point_m : source.points_m) {
-    at_m.set(0, moved(T, point_m));
-    field.where(at_m, 1, where);
-    lines.insert(reinterpret_cast<std::uintptr_t>(where[0]) / kLineBytes);
+    lines.insert(reinterpret_cast<std::uintptr_t>(field.where(moved(T, point_m))) / kLineBytes);
   }
   const auto points = static_cast<double>(source.points_m.size());
   const double per_point = static_cast<double>(lines.size()) / points;

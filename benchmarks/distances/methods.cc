@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "methods.h"
 
+#include <cmath>
 #include <memory>
 #include <numeric>
 #include <utility>
@@ -62,17 +63,21 @@ Method by_field(const Side& source, const Side& target) {
             if (build || !*state) *state = std::make_unique<State>(source, target);
             std::vector<std::uint32_t> numbers(source.points_m.size());
             std::iota(numbers.begin(), numbers.end(), 0U);
+            const LookUpKernels& kernels = look_up_kernels((*state)->search.path());
+            FloatColumns from_m;
             PointColumns at_m;
             RepeatedSearch::Found found;
             for (const Pose3& pose : poses) {
-              const Eigen::Isometry3d T = pose.isometry();
+              const Transform T(pose.isometry());
               for (std::size_t first = 0; first < numbers.size(); first += PointColumns::kMost) {
                 const auto batch =
                     std::span(numbers).subspan(first, std::min(PointColumns::kMost, numbers.size() - first));
-                for (std::size_t k = 0; k < batch.size(); ++k) at_m.set(k, moved(T, source.points_m[batch[k]]));
+                for (std::size_t k = 0; k < batch.size(); ++k) from_m.set(k, source.points_m[first + k]);
+                kernels.move(T, from_m, batch.size(), at_m);
                 (*state)->repeated.near(batch, at_m, kLimit_m, found);
                 for (std::size_t k = 0; k < batch.size(); ++k) {
-                  distances_m[batch[k]] = found.voxel[k] == kNoVoxel ? kNone : static_cast<float>(found.distance_m[k]);
+                  distances_m[first + k] =
+                      found.voxel[k] == kNoVoxel ? kNone : std::sqrt(static_cast<float>(found.square_m2[k]));
                 }
               }
             }

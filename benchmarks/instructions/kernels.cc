@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <functional>
 #include <numeric>
 #include <optional>
@@ -103,7 +104,7 @@ std::string field_look_up(VectorPath path) {
       const auto batch =
           std::span(numbers).subspan(first, std::min(kilter::PointColumns::kMost, numbers.size() - first));
       search.near(batch, columns[first / kilter::PointColumns::kMost], kReach_m, near);
-      for (std::size_t k = 0; k < batch.size(); ++k) found[first + k] = {near.voxel[k], near.distance_m[k]};
+      for (std::size_t k = 0; k < batch.size(); ++k) found[first + k] = {near.voxel[k], std::sqrt(near.square_m2[k])};
     }
   };
   std::vector<kilter::NearestVoxel> first(points_m.size());

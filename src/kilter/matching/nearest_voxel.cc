@@ -171,6 +171,7 @@ std::optional<NearestVoxel> NearestVoxelCursor::nearest(const Eigen::Vector3d& p
 
 RepeatedSearch::RepeatedSearch(const NearestVoxelSearch& search, std::size_t points)
     : field_(search.field()), cursor_(search) {
+  KILTER_EXPECTS(search.position() == VoxelPosition::kCentroid);
   if (exact()) last_.assign(points, kNoVoxel);
 }
 
@@ -187,24 +188,19 @@ void RepeatedSearch::near(std::span<const std::uint32_t> points, const PointColu
     const std::optional<NearestVoxel> nearest = cursor_.nearest(at_m[k], limit_m, last);
     if (nearest) last = nearest->voxel;
     found.voxel[k] = nearest ? nearest->voxel : kNoVoxel;
-    found.distance_m[k] = nearest ? nearest->distance_m : 0.0;
+    if (nearest) found.at_m.set(k, search().map().voxels().centroids_m[last]);
+    found.square_m2[k] = nearest ? nearest->distance_m * nearest->distance_m : 0.0;
   }
 }
 
 void RepeatedSearch::look_up(const PointColumns& at_m, std::size_t count, double limit_m, Found& found) const {
   const VoxelMap& map = search().map();
-  NearestVoxelField::Wheres where;
-  field_->where(at_m, count, where);
+  const LookUpKernels& kernels = look_up_kernels(search().path());
+  field_->near(at_m, count, found.voxel);
+  kernels.take_rows(map.voxels().centroids_m.data(), found.voxel, count, found.at_m);
+  kernels.measure(at_m, found.at_m, count, found.square_m2);
   for (std::size_t k = 0; k < count; ++k) {
-    found.voxel[k] = *where[k];
-    if (found.voxel[k] == kNoVoxel) continue;
-    __builtin_prefetch(&map.voxels().centroids_m[found.voxel[k]]);
-    __builtin_prefetch(&map.voxels().normals[found.voxel[k]]);
-  }
-  for (std::size_t k = 0; k < count; ++k) {
-    if (found.voxel[k] == kNoVoxel) continue;
-    found.distance_m[k] = (voxel_position_m(map, found.voxel[k], search().position()) - at_m[k]).norm();
-    if (found.distance_m[k] > limit_m) found.voxel[k] = kNoVoxel;
+    found.voxel[k] = found.square_m2[k] > limit_m * limit_m ? kNoVoxel : found.voxel[k];
   }
 }
 

@@ -131,13 +131,15 @@ class NearestVoxelCursor {
 /// allows one, by the exact search where not. One for each thread and pair.
 class RepeatedSearch {
  public:
-  /// \param points  how many points will ask. The search must outlive it.
+  /// \param search  of centroids; must outlive it.
+  /// \param points  how many points will ask.
   RepeatedSearch(const NearestVoxelSearch& search, std::size_t points);
 
-  /// What is near each point of a batch: kNoVoxel, or a voxel and how far it is.
+  /// What is near each point of a batch: a voxel or kNoVoxel, and of a voxel where it is and how far squared.
   struct Found {
-    std::array<std::uint32_t, PointColumns::kMost> voxel{};
-    alignas(64) std::array<double, PointColumns::kMost> distance_m{};
+    VoxelColumn voxel;
+    FloatColumns at_m;
+    alignas(64) std::array<double, PointColumns::kMost> square_m2;
   };
 
   /// For each of the points number points[k], at most PointColumns::kMost, which now are at at_m[k] in the map's frame,

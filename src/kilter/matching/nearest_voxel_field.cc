@@ -36,11 +36,7 @@ int reach_in_cells(double reach_m, double resolution_m) {
 }
 
 // Blocks of the lattice that hold cells within reach of an occupied voxel, at least.
-struct BlockBox {
-  Eigen::Vector3i low;
-  Eigen::Vector3i size;
-};
-BlockBox blocks_within(const VoxelMap& map, int reach) {
+FieldBox blocks_within(const VoxelMap& map, int reach) {
   const double resolution_m = map.resolution_m();
   const Eigen::Vector3i first = (map.bounds_m().min() / resolution_m).array().round().matrix().cast<int>();
   const Eigen::Vector3i end = (map.bounds_m().max() / resolution_m).array().round().matrix().cast<int>();
@@ -258,65 +254,15 @@ bool compute_baseline(const VoxelMap& map, const Eigen::Vector3i& middle, int re
 }
 #endif
 
-// Where each point of a batch reads: the block's slot in the table, or kOutside, and the bit of its cell.
-struct CellPlaces {
-  static constexpr std::int32_t kOutside = -1;
-  alignas(64) std::array<std::int32_t, PointColumns::kMost> slot{};
-  alignas(64) std::array<std::int32_t, PointColumns::kMost> bit{};
-};
+using Compute = bool (*)(const VoxelMap& map, const Eigen::Vector3i& middle, int reach, Voxels& voxels);
 
-// Plain arithmetic: the compiler makes registers of it.
-[[gnu::always_inline]] inline void find_places(const PointColumns& points_m, std::size_t count, double per_metre,
-                                               const Eigen::Vector3i& low, const Eigen::Vector3i& size,
-                                               CellPlaces& places) {
-  const std::array<std::int32_t, 3> from = {low.x(), low.y(), low.z()};
-  const std::array<std::uint32_t, 3> blocks = {
-      static_cast<std::uint32_t>(size.x()), static_cast<std::uint32_t>(size.y()), static_cast<std::uint32_t>(size.z())};
-  constexpr std::int32_t kInside = kBlockSize - 1;
-  for (std::size_t k = 0; k < count; ++k) {
-    const std::int32_t x = whole_below(points_m.x[k] * per_metre);
-    const std::int32_t y = whole_below(points_m.y[k] * per_metre);
-    const std::int32_t z = whole_below(points_m.z[k] * per_metre);
-    const auto block_x = static_cast<std::uint32_t>((x >> kBlockShift) - from[0]);
-    const auto block_y = static_cast<std::uint32_t>((y >> kBlockShift) - from[1]);
-    const auto block_z = static_cast<std::uint32_t>((z >> kBlockShift) - from[2]);
-    const auto slot = static_cast<std::int32_t>((block_z * blocks[1] + block_y) * blocks[0] + block_x);
-    // One comparison a line: g++ 12 makes single steps of a condition that joins several.
-    std::int32_t found = block_x < blocks[0] ? slot : CellPlaces::kOutside;
-    found = block_y < blocks[1] ? found : CellPlaces::kOutside;
-    found = block_z < blocks[2] ? found : CellPlaces::kOutside;
-    places.slot[k] = found;
-    places.bit[k] = (x & kInside) | (y & kInside) << kBlockShift | (z & kInside) << (2 * kBlockShift);
-  }
-}
-
-void find_places_baseline(const PointColumns& points_m, std::size_t count, double per_metre, const Eigen::Vector3i& low,
-                          const Eigen::Vector3i& size, CellPlaces& places) {
-  find_places(points_m, count, per_metre, low, size, places);
-}
-
+Compute compute_with(VectorPath path) {
 #if defined(__x86_64__)
-[[gnu::target("avx2")]] void find_places_avx2(const PointColumns& points_m, std::size_t count, double per_metre,
-                                              const Eigen::Vector3i& low, const Eigen::Vector3i& size,
-                                              CellPlaces& places) {
-  find_places(points_m, count, per_metre, low, size, places);
-}
-#endif
-
-// The two kernels of the field, as a path has them.
-struct Kernels {
-  bool (*compute)(const VoxelMap& map, const Eigen::Vector3i& middle, int reach, Voxels& voxels);
-  void (*find_places)(const PointColumns& points_m, std::size_t count, double per_metre, const Eigen::Vector3i& low,
-                      const Eigen::Vector3i& size, CellPlaces& places);
-};
-
-Kernels kernels_of(VectorPath path) {
-#if defined(__x86_64__)
-  if (path != VectorPath::kBaseline) return {compute_avx2, find_places_avx2};
+  if (path != VectorPath::kBaseline) return compute_avx2;
 #else
   static_cast<void>(path);
 #endif
-  return {compute_baseline, find_places_baseline};
+  return compute_baseline;
 }
 
 }  // namespace
@@ -331,64 +277,71 @@ NearestVoxelField::NearestVoxelField(const VoxelMap& map, double reach_m, Vector
     : map_(&map), reach_(reach_in_cells(reach_m, map.resolution_m())), path_(path) {
   KILTER_EXPECTS(fits(map, reach_m));
   if (map.bounds_m().isEmpty()) return;
-  const BlockBox box = blocks_within(map, reach_);
-  low_ = box.low;
-  size_ = box.size;
+  box_ = blocks_within(map, reach_);
   // Zeros that the system makes when they are touched; a vector would touch them all.
   // NOLINTNEXTLINE(cppcoreguidelines-no-malloc)
-  void* zeros = std::calloc(static_cast<std::size_t>(size_.cast<double>().prod()), kSlotBytes);
-  table_.reset(static_cast<const Block**>(zeros));
+  void* zeros = std::calloc(static_cast<std::size_t>(box_.size.cast<double>().prod()), kSlotBytes);
+  table_.reset(static_cast<const FieldCells**>(zeros));
   if (table_ == nullptr) throw std::bad_alloc();
 }
 
-std::uint32_t NearestVoxelField::near(const Eigen::Vector3d& point_m) const {
+std::uint32_t NearestVoxelField::near(const Eigen::Vector3d& point_m) const { return *where(point_m); }
+
+const std::uint32_t* NearestVoxelField::where(const Eigen::Vector3d& point_m) const {
   PointColumns alone;
   alone.set(0, point_m);
-  Wheres found;
-  where(alone, 1, found);
-  return *found[0];
+  CellPlaces places;
+  find_places(alone, 1, places);
+  return places.slot[0] == CellPlaces::kOutside ? &kNoVoxel : build(places.slot[0]) + places.bit[0];
 }
 
-void NearestVoxelField::where(const PointColumns& points_m, std::size_t count, Wheres& wheres) const {
+void NearestVoxelField::near(const PointColumns& points_m, std::size_t count, VoxelColumn& voxels) const {
   CellPlaces places;
-  kernels_of(path_).find_places(points_m, count, 1.0 / map_->resolution_m(), low_, size_, places);
-  for (std::size_t k = 0; k < count; ++k) {
-    const std::int32_t slot = places.slot[k];
-    wheres[k] = &kNoVoxel;
-    if (slot == CellPlaces::kOutside) continue;
-    const Block* block = std::atomic_ref(table_[static_cast<std::size_t>(slot)]).load(std::memory_order_acquire);
-    if (block == nullptr) block = &build(slot);
-    wheres[k] = &block->voxels[static_cast<std::size_t>(places.bit[k])];
-    __builtin_prefetch(wheres[k]);
+  find_places(points_m, count, places);
+  const LookUpKernels& kernels = look_up_kernels(path_);
+  for (std::size_t first = 0; first < count; first += LookUpKernels::kTogether) {
+    while (std::uint32_t missing = kernels.read_cells(table_.get(), places, first, voxels)) {
+      for (; missing != 0; missing &= missing - 1) {
+        build(places.slot[first + static_cast<std::size_t>(std::countr_zero(missing))]);
+      }
+    }
   }
 }
 
-const NearestVoxelField::Block& NearestVoxelField::build(std::int32_t slot) const {
+void NearestVoxelField::find_places(const PointColumns& points_m, std::size_t count, CellPlaces& places) const {
+  look_up_kernels(path_).find_places(points_m, count, 1.0 / map_->resolution_m(), box_, places);
+  for (std::size_t k = count; k % LookUpKernels::kTogether != 0; ++k) places.slot[k] = CellPlaces::kOutside;
+}
+
+// Or finds it built.
+const FieldCells* NearestVoxelField::build(std::int32_t slot) const {
   static const Block kNothingNear = [] {
     Block block{};
     block.voxels.fill(kNoVoxel);
     return block;
   }();
-  const Eigen::Vector3i at(slot % size_.x(), slot / size_.x() % size_.y(), slot / (size_.x() * size_.y()));
+  const std::atomic_ref<const FieldCells*> place(table_[static_cast<std::size_t>(slot)]);
+  if (const FieldCells* built = place.load(std::memory_order_acquire); built != nullptr) return built;
+  const Eigen::Vector3i& size = box_.size;
+  const Eigen::Vector3i at(slot % size.x(), slot / size.x() % size.y(), slot / (size.x() * size.y()));
   auto built = std::make_unique_for_overwrite<Block>();
-  if (!kernels_of(path_).compute(*map_, low_ + at, reach_, built->voxels)) built.reset();
-  const std::atomic_ref<const Block*> place(table_[static_cast<std::size_t>(slot)]);
+  if (!compute_with(path_)(*map_, box_.low + at, reach_, built->voxels)) built.reset();
   const std::lock_guard lock(building_);
-  if (const Block* others = place.load(std::memory_order_relaxed); others != nullptr) return *others;
+  if (const FieldCells* others = place.load(std::memory_order_relaxed); others != nullptr) return others;
   const Block* block = &kNothingNear;
   if (built) {
     block = built.get();
     blocks_.push_back(std::move(built));
   }
-  place.store(block, std::memory_order_release);
-  return *block;
+  place.store(block->voxels.data(), std::memory_order_release);
+  return block->voxels.data();
 }
 
 std::size_t NearestVoxelField::bytes() const {
   const std::lock_guard lock(building_);
   constexpr std::size_t kOfAllocation = 16;
   constexpr std::size_t kPage = 4096;
-  const std::size_t table = static_cast<std::size_t>(size_.cast<std::int64_t>().prod()) * kSlotBytes;
+  const std::size_t table = static_cast<std::size_t>(box_.size.cast<std::int64_t>().prod()) * kSlotBytes;
   return std::min(table, kPage * (blocks_.size() + 1)) +
          blocks_.size() * (sizeof(Block) + kOfAllocation + sizeof(blocks_.front()));
 }

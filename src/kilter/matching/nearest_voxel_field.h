@@ -12,13 +12,11 @@
 #include <vector>
 
 #include "kilter/base/vector_path.h"
+#include "kilter/matching/look_up.h"
 #include "kilter/matching/point_columns.h"
 #include "kilter/occupancy/voxel_map.h"
 
 namespace kilter {
-
-/// No voxel is near, or none is known to be.
-inline constexpr std::uint32_t kNoVoxel = 0xFFFFFFFF;
 
 /// For every cell of a map's lattice the occupied voxel whose centre is nearest to the cell's centre, if one is within
 /// reach; of equally near ones that of the lowest z, then y, then x. One look-up says which voxel a point has near it:
@@ -40,31 +38,33 @@ class NearestVoxelField {
   /// A voxel near a point of the map's frame, or kNoVoxel: then no voxel's point is within reach_m of it.
   [[nodiscard]] std::uint32_t near(const Eigen::Vector3d& point_m) const;
 
-  /// Where near() reads what it says of the first `count` points; on its way into the cache. Stays valid.
-  using Wheres = std::array<const std::uint32_t*, PointColumns::kMost>;
-  void where(const PointColumns& points_m, std::size_t count, Wheres& wheres) const;
+  /// The same for the first `count` points of a batch.
+  void near(const PointColumns& points_m, std::size_t count, VoxelColumn& voxels) const;
+
+  /// Where near() reads what it says of a point. Stays valid.
+  [[nodiscard]] const std::uint32_t* where(const Eigen::Vector3d& point_m) const;
 
   /// Memory that blocks and the pages of their table hold by now; depends on what was asked. [bytes]
   [[nodiscard]] std::size_t bytes() const;
 
  private:
   struct Block {
-    std::array<std::uint32_t, kBlockVoxels> voxels;
+    std::array<FieldCells, kBlockVoxels> voxels;
   };
   static constexpr std::size_t kSlotBytes = sizeof(void*);  // of table_
   struct Free {
     void operator()(void* memory) const { std::free(memory); }  // NOLINT(cppcoreguidelines-no-malloc): calloc's
   };
 
-  const Block& build(std::int32_t slot) const;
+  void find_places(const PointColumns& points_m, std::size_t count, CellPlaces& places) const;
+  const FieldCells* build(std::int32_t slot) const;
 
   const VoxelMap* map_;
   int reach_;  // cells between the centres of a point's cell and of its voxel
   VectorPath path_;
-  Eigen::Vector3i low_ = Eigen::Vector3i::Zero();   // first block of the table
-  Eigen::Vector3i size_ = Eigen::Vector3i::Zero();  // blocks on each axis
-  std::unique_ptr<const Block*[], Free> table_;     // null where nobody has looked yet; pages that nobody touches cost
-                                                    // nothing
+  FieldBox box_;
+  // Null where nobody has looked yet; pages that nobody touches cost nothing.
+  std::unique_ptr<const FieldCells*[], Free> table_;
   mutable std::mutex building_;
   mutable std::vector<std::unique_ptr<const Block>> blocks_;
 };

@@ -96,7 +96,7 @@ std::optional<NearestVoxel> near_one(RepeatedSearch& search, std::uint32_t point
   RepeatedSearch::Found found;
   search.near({&point, 1}, points_m, limit_m, found);
   if (found.voxel[0] == kNoVoxel) return std::nullopt;
-  return NearestVoxel{found.voxel[0], found.distance_m[0]};
+  return NearestVoxel{found.voxel[0], std::sqrt(found.square_m2[0])};
 }
 
 TEST(RepeatedSearch, TakesTheFieldsWordWithinTheLimit) {
@@ -139,7 +139,7 @@ TEST(RepeatedSearch, ManyAtOnceAreAsEachAlone) {
       const auto alone = near_one(repeated, 0, at_m[k], 0.4);
       ASSERT_EQ(found.voxel[k], alone ? alone->voxel : kNoVoxel);
       if (alone) {
-        EXPECT_EQ(found.distance_m[k], alone->distance_m);
+        EXPECT_EQ(std::sqrt(found.square_m2[k]), alone->distance_m);
       }
       none += alone ? 0U : 1U;
     }

@@ -51,18 +51,6 @@ std::vector<PlaneResidual> match_both_ways(PlanePair& pair, const Pose3& T_targe
   return residuals;
 }
 
-struct FloatColumns {
-  alignas(64) std::array<float, PointColumns::kMost> x{};
-  alignas(64) std::array<float, PointColumns::kMost> y{};
-  alignas(64) std::array<float, PointColumns::kMost> z{};
-
-  void set(std::size_t k, const Eigen::Vector3f& value) {
-    x[k] = value.x();
-    y[k] = value.y();
-    z[k] = value.z();
-  }
-};
-
 // Some voxels of one submap, and the planes of the other that they meet.
 struct Batch {
   std::size_t count = 0;
@@ -70,39 +58,13 @@ struct Batch {
   FloatColumns normal;
   PointColumns at_m;  // the centroids in the planes' frame
   RepeatedSearch::Found near;
-  FloatColumns plane_m;       // a point of the plane, and
   FloatColumns plane_normal;  // zero where there is none
   alignas(64) std::array<double, PointColumns::kMost> residual_m{};
   alignas(64) std::array<double, PointColumns::kMost> agreement{};  // of the normals: a cosine; 1 where one is unknown
 };
 
-// A transform as numbers, for loops that the compiler makes registers of.
-struct Numbers {
-  double r[3][3];
-  double t[3];
-
-  explicit Numbers(const Eigen::Isometry3d& T) {
-    for (int row = 0; row < 3; ++row) {
-      for (int column = 0; column < 3; ++column) r[row][column] = T.linear()(row, column);
-      t[row] = T.translation()[row];
-    }
-  }
-};
-
-// To the bit what Eigen makes of T * centroid.
-[[gnu::always_inline]] inline void place_all(const Numbers& T, Batch& batch) {
-  for (std::size_t k = 0; k < batch.count; ++k) {
-    const double x = batch.centroid_m.x[k];
-    const double y = batch.centroid_m.y[k];
-    const double z = batch.centroid_m.z[k];
-    batch.at_m.x[k] = T.r[0][0] * x + T.r[0][1] * y + T.r[0][2] * z + T.t[0];
-    batch.at_m.y[k] = T.r[1][0] * x + T.r[1][1] * y + T.r[1][2] * z + T.t[1];
-    batch.at_m.z[k] = T.r[2][0] * x + T.r[2][1] * y + T.r[2][2] * z + T.t[2];
-  }
-}
-
 // normals_agree() as a number, and what the matches are off.
-[[gnu::always_inline]] inline void compare_all(const Numbers& T, bool oriented, Batch& batch) {
+[[gnu::always_inline]] inline void compare_all(const Transform& T, bool oriented, Batch& batch) {
   const double of_sign = oriented ? 0.0 : 1.0;
   for (std::size_t k = 0; k < batch.count; ++k) {
     const double x = batch.normal.x[k];
@@ -111,58 +73,47 @@ struct Numbers {
     const double plane_x = batch.plane_normal.x[k];
     const double plane_y = batch.plane_normal.y[k];
     const double plane_z = batch.plane_normal.z[k];
-    const double cosine = (T.r[0][0] * x + T.r[0][1] * y + T.r[0][2] * z) * plane_x +
-                          (T.r[1][0] * x + T.r[1][1] * y + T.r[1][2] * z) * plane_y +
-                          (T.r[2][0] * x + T.r[2][1] * y + T.r[2][2] * z) * plane_z;
+    const double cosine = (T.turn[0][0] * x + T.turn[0][1] * y + T.turn[0][2] * z) * plane_x +
+                          (T.turn[1][0] * x + T.turn[1][1] * y + T.turn[1][2] * z) * plane_y +
+                          (T.turn[2][0] * x + T.turn[2][1] * y + T.turn[2][2] * z) * plane_z;
     const double either = std::abs(cosine) * of_sign;
     const double agreement = cosine > either ? cosine : either;
     const double known = x * x + y * y + z * z > 0.0 ? agreement : 1.0;
     batch.agreement[k] = plane_x * plane_x + plane_y * plane_y + plane_z * plane_z > 0.0 ? known : -1.0;
     batch.residual_m[k] =
-        plane_x * (batch.at_m.x[k] - batch.plane_m.x[k]) +
-        (plane_y * (batch.at_m.y[k] - batch.plane_m.y[k]) + plane_z * (batch.at_m.z[k] - batch.plane_m.z[k]));
+        plane_x * (batch.at_m.x[k] - batch.near.at_m.x[k]) +
+        (plane_y * (batch.at_m.y[k] - batch.near.at_m.y[k]) + plane_z * (batch.at_m.z[k] - batch.near.at_m.z[k]));
   }
 }
 
-struct Kernel {
-  void (*place)(const Numbers& T, Batch& batch);
-  void (*compare)(const Numbers& T, bool oriented, Batch& batch);
-};
+using Compare = void (*)(const Transform& T, bool oriented, Batch& batch);
 
-void place_baseline(const Numbers& T, Batch& batch) { place_all(T, batch); }
-void compare_baseline(const Numbers& T, bool oriented, Batch& batch) { compare_all(T, oriented, batch); }
+void compare_baseline(const Transform& T, bool oriented, Batch& batch) { compare_all(T, oriented, batch); }
 
 #if defined(__x86_64__)
-[[gnu::target("avx2")]] void place_avx2(const Numbers& T, Batch& batch) { place_all(T, batch); }
-[[gnu::target("avx2")]] void compare_avx2(const Numbers& T, bool oriented, Batch& batch) {
+[[gnu::target("avx2")]] void compare_avx2(const Transform& T, bool oriented, Batch& batch) {
+  compare_all(T, oriented, batch);
+}
+[[gnu::target("avx512f")]] void compare_avx512(const Transform& T, bool oriented, Batch& batch) {
   compare_all(T, oriented, batch);
 }
 #endif
 
-Kernel kernel_of(VectorPath path) {
+Compare compare_with(VectorPath path) {
 #if defined(__x86_64__)
-  if (path != VectorPath::kBaseline) return {place_avx2, compare_avx2};
+  if (path == VectorPath::kAvx512) return compare_avx512;
+  if (path == VectorPath::kAvx2) return compare_avx2;
 #else
   static_cast<void>(path);
 #endif
-  return {place_baseline, compare_baseline};
+  return compare_baseline;
 }
 
-// The voxels' own, and once it is known what they meet, the planes'.
 void take_voxels(const SurfaceVoxels& points, std::span<const std::uint32_t> voxels, Batch& batch) {
   batch.count = voxels.size();
   for (std::size_t k = 0; k < voxels.size(); ++k) {
     batch.centroid_m.set(k, points.centroids_m[voxels[k]]);
     batch.normal.set(k, points.normals[voxels[k]]);
-  }
-}
-
-void take_planes(const SurfaceVoxels& planes, Batch& batch) {
-  for (std::size_t k = 0; k < batch.count; ++k) {
-    const std::uint32_t plane = batch.near.voxel[k];
-    const bool any = plane != kNoVoxel;
-    batch.plane_m.set(k, any ? planes.centroids_m[plane] : Eigen::Vector3f::Zero().eval());
-    batch.plane_normal.set(k, any ? planes.normals[plane] : Eigen::Vector3f::Zero().eval());
   }
 }
 
@@ -184,13 +135,14 @@ void match_voxels(const VoxelMap& from, std::span<const std::uint32_t> voxels, R
   const SurfaceVoxels& points = from.voxels();
   const SurfaceVoxels& planes = onto.voxels();
   const bool oriented = from.has_free_space() && onto.has_free_space();
-  const Numbers T(T_onto_from.isometry());
-  const Kernel kernel = kernel_of(in_onto.search().path());
+  const Transform T(T_onto_from.isometry());
+  const Compare compare = compare_with(in_onto.search().path());
+  const LookUpKernels& kernels = look_up_kernels(in_onto.search().path());
   Batch batch;
   for (std::size_t first = 0; first < voxels.size(); first += PointColumns::kMost) {
     const auto numbers = voxels.subspan(first, std::min(PointColumns::kMost, voxels.size() - first));
     take_voxels(points, numbers, batch);
-    kernel.place(T, batch);
+    kernels.move(T, batch.centroid_m, batch.count, batch.at_m);
     in_onto.near(numbers, batch.at_m, shift ? in_onto.search().max_distance_m() : search_m, batch.near);
     if (shift) {
       PointColumns moved_m = batch.at_m;
@@ -201,8 +153,8 @@ void match_voxels(const VoxelMap& from, std::span<const std::uint32_t> voxels, R
       }
       in_onto.near(numbers, moved_m, search_m, batch.near);
     }
-    take_planes(planes, batch);
-    kernel.compare(T, oriented, batch);
+    kernels.take_rows(planes.normals.data(), batch.near.voxel, batch.count, batch.plane_normal);
+    compare(T, oriented, batch);
     for (std::size_t k = 0; k < batch.count; ++k) {
       if (batch.agreement[k] < kLeastAgreement) continue;
       const std::uint32_t plane = batch.near.voxel[k];
