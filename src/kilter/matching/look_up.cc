@@ -79,7 +79,7 @@ void find_places(const PointColumns& points_m, std::size_t count, double per_met
 // All addresses first: memory is waited for once.
 std::uint32_t read_cells(const FieldCells* const* table, const CellPlaces& places, std::size_t first,
                          VoxelColumn& voxels) {
-  std::array<const FieldCells*, kTogether> cells;
+  std::array<const FieldCells*, kTogether> cells{};
   std::uint32_t missing = 0;
   for (std::size_t k = 0; k < kTogether; ++k) {
     const std::int32_t slot = places.slot[first + k];

@@ -26,7 +26,7 @@ struct FieldBox {
 
 /// Voxel numbers of one batch.
 struct VoxelColumn {
-  alignas(64) std::array<std::uint32_t, PointColumns::kMost> number;
+  alignas(64) std::array<std::uint32_t, PointColumns::kMost> number{};
 
   [[nodiscard]] std::uint32_t& operator[](std::size_t k) { return number[k]; }
   [[nodiscard]] std::uint32_t operator[](std::size_t k) const { return number[k]; }
@@ -41,8 +41,8 @@ struct CellPlaces {
 
 /// A transform as numbers, for loops that the compiler makes registers of.
 struct Transform {
-  std::array<std::array<double, 3>, 3> turn;
-  std::array<double, 3> shift_m;
+  std::array<std::array<double, 3>, 3> turn{};
+  std::array<double, 3> shift_m{};
 
   explicit Transform(const Eigen::Isometry3d& T) {
     for (int row = 0; row < 3; ++row) {

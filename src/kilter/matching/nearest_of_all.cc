@@ -225,6 +225,7 @@ std::vector<NearestVoxel> nearest_of_all(const NearestVoxelSearch& source, const
 NearestBothWays nearest_both_ways(const NearestVoxelSearch& source, const NearestVoxelSearch& target,
                                   const Pose3& T_target_source, double limit_m) {
   return {nearest_of_all(source, target, T_target_source, limit_m),
+          // NOLINTNEXTLINE(readability-suspicious-call-argument): the way back
           nearest_of_all(target, source, T_target_source.inverse(), limit_m)};
 }
 

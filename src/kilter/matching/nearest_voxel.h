@@ -139,7 +139,7 @@ class RepeatedSearch {
   struct Found {
     VoxelColumn voxel;
     FloatColumns at_m;
-    alignas(64) std::array<double, PointColumns::kMost> square_m2;
+    alignas(64) std::array<double, PointColumns::kMost> square_m2{};
   };
 
   /// For each of the points number points[k], at most PointColumns::kMost, which now are at at_m[k] in the map's frame,

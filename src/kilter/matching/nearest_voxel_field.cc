@@ -290,13 +290,13 @@ std::uint32_t NearestVoxelField::near(const Eigen::Vector3d& point_m) const { re
 const std::uint32_t* NearestVoxelField::where(const Eigen::Vector3d& point_m) const {
   PointColumns alone;
   alone.set(0, point_m);
-  CellPlaces places;
+  CellPlaces places{};
   find_places(alone, 1, places);
   return places.slot[0] == CellPlaces::kOutside ? &kNoVoxel : build(places.slot[0]) + places.bit[0];
 }
 
 void NearestVoxelField::near(const PointColumns& points_m, std::size_t count, VoxelColumn& voxels) const {
-  CellPlaces places;
+  CellPlaces places;  // NOLINT(cppcoreguidelines-pro-type-member-init): filled as far as it is read
   find_places(points_m, count, places);
   const LookUpKernels& kernels = look_up_kernels(path_);
   for (std::size_t first = 0; first < count; first += LookUpKernels::kTogether) {

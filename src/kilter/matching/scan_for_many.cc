@@ -68,7 +68,7 @@ static inline void keep_nearer(const __m256& found_m2, std::int32_t found, Regis
                                Register<kLanes>::Ints& number) {
   keep_nearer_of<kLanes>(found_m2, found, square_m2, number);
 }
-#include "kilter/matching/many_search.inc"
+#include "kilter/matching/many_search.inc"  // NOLINT(readability-duplicate-include): for each
 }  // namespace avx2
 KILTER_END_TARGET
 
@@ -89,7 +89,7 @@ static inline void keep_nearer(const __m512& found_m2, std::int32_t found, Regis
   number = reinterpret_cast<Register<kLanes>::Ints>(_mm512_mask_set1_epi32(lower, nearer, found));
   square_m2 = _mm512_mask_mov_ps(square_m2, nearer, found_m2);
 }
-#include "kilter/matching/many_search.inc"
+#include "kilter/matching/many_search.inc"  // NOLINT(readability-duplicate-include): for each
 }  // namespace avx512
 KILTER_END_TARGET
 #endif
