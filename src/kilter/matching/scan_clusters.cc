@@ -139,6 +139,12 @@ float FloatBox::square_gap_m2(const Cluster& cluster) const {
   return square_m2;
 }
 
+void ClusterBoxes::reserve(std::size_t clusters) {
+  for (std::vector<float>& axis : low_m) axis.reserve(clusters + kMostLanes);
+  for (std::vector<float>& axis : high_m) axis.reserve(clusters + kMostLanes);
+  first.reserve(clusters + 1);
+}
+
 void ClusterBoxes::add(const Cluster& cluster) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
     low_m[axis].push_back(cluster.low_m[axis]);

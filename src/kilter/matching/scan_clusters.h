@@ -47,6 +47,7 @@ struct Cluster {
 /// whole registers can be read from any of them.
 class ClusterBoxes {
  public:
+  void reserve(std::size_t clusters);
   /// Precondition: its points begin where those of the last one end.
   void add(const Cluster& cluster);
   /// After the last one; `points` is the number of all of them.

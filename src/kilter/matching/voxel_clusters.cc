@@ -90,6 +90,9 @@ constexpr std::array<std::uint8_t, 256> kOnes = [] {
 }  // namespace
 
 VoxelClusters::VoxelClusters(const VoxelMap& map, VoxelPosition position) : points_(map.voxels().size()) {
+  // More than there will be, but what is not written to costs nothing, and growing would touch all of it twice.
+  blocks_.reserve(map.blocks().size());
+  boxes_.reserve(std::min(kClusters * map.blocks().size(), map.voxels().size()));
   for (const VoxelBlock& block : map.blocks()) {
     if (block.voxel_count > 0) add_block(map, position, block);
   }
