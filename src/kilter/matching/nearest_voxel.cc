@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <tuple>
 
 #include "kilter/base/contract.h"
 
@@ -35,23 +34,36 @@ NearestVoxelSearch::NearestVoxelSearch(const VoxelMap& map, VoxelPosition positi
 void NearestVoxelSearch::plan_steps() {
   const double edge_m = kBlockSize * map_->resolution_m();
   const int reach = static_cast<int>(std::ceil(max_distance_m_ / edge_m));
-  const auto gap_m2 = [&](const Eigen::Vector3i& offset) {
-    return ((offset.cwiseAbs() - Eigen::Vector3i::Ones()).cwiseMax(0).cast<double>() * edge_m).squaredNorm();
+  struct Shell {
+    double gap_m2 = 0.0;
+    Run run;
+  };
+  std::vector<Shell> shells;
+  const auto gap_m2 = [&](int x, int y, int z) {
+    const Eigen::Array3i between = Eigen::Array3i(x, y, z).abs() - 1;
+    return (between.max(0).cast<double>() * edge_m).matrix().squaredNorm();
   };
   for (int z = -reach; z <= reach; ++z) {
     for (int y = -reach; y <= reach; ++y) {
       for (int x = -reach; x <= reach; ++x) {
-        if (gap_m2({x, y, z}) <= max_distance_m_ * max_distance_m_) offsets_.emplace_back(x, y, z);
+        const double here_m2 = gap_m2(x, y, z);
+        if (here_m2 > max_distance_m_ * max_distance_m_) continue;
+        const bool goes_on = x > -reach && !shells.empty() && shells.back().run.x_end == x &&
+                             shells.back().run.y == y && shells.back().gap_m2 == here_m2;
+        if (goes_on) {
+          ++shells.back().run.x_end;
+        } else {
+          shells.push_back({here_m2, {x, x + 1, y, z}});
+        }
       }
     }
   }
-  std::stable_sort(offsets_.begin(), offsets_.end(), [&](const Eigen::Vector3i& a, const Eigen::Vector3i& b) {
-    return std::tuple(gap_m2(a), a.squaredNorm()) < std::tuple(gap_m2(b), b.squaredNorm());
-  });
-  for (std::size_t first = 0; first < offsets_.size();) {
-    const double least_m2 = gap_m2(offsets_[first]);
+  std::stable_sort(shells.begin(), shells.end(), [](const Shell& a, const Shell& b) { return a.gap_m2 < b.gap_m2; });
+  for (const Shell& shell : shells) runs_.push_back(shell.run);
+  for (std::size_t first = 0; first < shells.size();) {
+    const double least_m2 = shells[first].gap_m2;
     std::size_t end = first;
-    while (end < offsets_.size() && gap_m2(offsets_[end]) == least_m2) ++end;
+    while (end < shells.size() && shells[end].gap_m2 == least_m2) ++end;
     Step step;
     step.first = static_cast<std::uint32_t>(first);
     step.end = static_cast<std::uint32_t>(end);
@@ -85,7 +97,7 @@ const NearestVoxelField* NearestVoxelSearch::field() const {
 
 std::size_t NearestVoxelSearch::bytes() const {
   const NearestVoxelField* field = field_->made.load(std::memory_order_acquire);
-  return clusters_.bytes() + offsets_.size() * sizeof(Eigen::Vector3i) + steps_.size() * sizeof(Step) +
+  return clusters_.bytes() + runs_.size() * sizeof(Run) + steps_.size() * sizeof(Step) +
          (field == nullptr ? 0 : field->bytes());
 }
 
@@ -124,7 +136,9 @@ bool NearestVoxelCursor::extend(Home& home, float best_m2) const {
     if (left.gap_m2 >= step.from_m2 && left.gap_m2 < step.to_m2) add(boxes[left.cluster]);
   }
   for (std::uint32_t k = step.first; k < step.end; ++k) {
-    const VoxelClusters::Range range = search_->clusters_.in_block(home.at + search_->offsets_[k]);
+    const NearestVoxelSearch::Run& run = search_->runs_[k];
+    const VoxelClusters::Range range = search_->clusters_.in_row(home.at.x() + run.x_first, home.at.x() + run.x_end,
+                                                                 home.at.y() + run.y, home.at.z() + run.z);
     for (std::uint32_t i = range.first; i < range.end; ++i) {
       const Cluster cluster = boxes[i];
       const float gap_m2 = box.square_gap_m2(cluster);

@@ -63,13 +63,20 @@ class NearestVoxelSearch {
   };
   // What is looked at in one step: clusters of certain blocks around the home block, at certain distances from its box.
   struct Step {
-    std::uint32_t first = 0;  // of the offsets; none where the step goes on with what the one before has left
+    std::uint32_t first = 0;  // of the runs; none where the step goes on with what the one before has left
     std::uint32_t end = 0;
     float from_m2 = 0.0F;  // clusters whose square distance is in [from, to)
     float to_m2 = std::numeric_limits<float>::max();
     float least_m2 = 0.0F;  // nobody in the home block is nearer to any of them
   };
 
+  // Blocks of one row, seen from the home block, that a step looks at.
+  struct Run {
+    int x_first = 0;
+    int x_end = 0;
+    int y = 0;
+    int z = 0;
+  };
   void plan_steps();
 
   const VoxelMap* map_;
@@ -78,8 +85,8 @@ class NearestVoxelSearch {
   VectorPath path_;
   VoxelClusters clusters_;
   ScanClusters scan_;
-  std::vector<Eigen::Vector3i> offsets_;  // of blocks that may hold what is near
-  std::vector<Step> steps_;               // sorted by least distance
+  std::vector<Run> runs_;    // of blocks that may hold what is near
+  std::vector<Step> steps_;  // sorted by least distance
   std::unique_ptr<LazyField> field_ = std::make_unique<LazyField>();
 };
 

@@ -52,15 +52,6 @@ class VoxelClusters {
 
   /// The clusters of blocks [x_first, x_end) of a row. O(1) where the map's box is not much larger than what it holds.
   [[nodiscard]] Range in_row(int x_first, int x_end, int y, int z) const;
-  /// Those of one block.
-  [[nodiscard]] Range in_block(const Eigen::Vector3i& block) const {
-    const Eigen::Vector3i at = block - low_;
-    if ((at.array() < 0).any() || (at.array() >= size_.array()).any()) return {};
-    if (octets_.empty()) return in_row(block.x(), block.x() + 1, block.y(), block.z());
-    const std::size_t row = static_cast<std::size_t>(at.z()) * size_.y() + at.y();
-    const Octet octet = octets_[row * octets_in_row_ + at.x() / kOctet];
-    return (octet >> (at.x() % kOctet) & 1) == 0 ? Range{} : blocks_[blocks_before(at.x(), row)].clusters;
-  }
 
   [[nodiscard]] std::size_t bytes() const;
 
