@@ -167,7 +167,31 @@ constexpr NearestOfEight kNearestOfEight = [] {
 using Layer = std::array<Row, kBlockSize>;  // the cells of one z
 using Keys = std::array<Layer, kBlockSize>;
 
-// A separable transform: along x, then y, then z. Integers, so that every processor finds the same.
+// What being so many cells off along one axis adds to each key of a row, for all that a cell of the block and one of the
+// window can be.
+constexpr int kMostOff = kMostReach + kBlockSize - 1;
+constexpr auto kLifts = [] {
+  std::array<std::array<std::int32_t, kBlockSize>, 2 * kMostOff + 1> lifts{};
+  for (int off = -kMostOff; off <= kMostOff; ++off) {
+    lifts[static_cast<std::size_t>(off + kMostOff)].fill(off * off << kSquareShift);
+  }
+  return lifts;
+}();
+static_assert(std::int64_t{kFar} + 2 * (std::int64_t{kMostOff * kMostOff} << kSquareShift) < INT32_MAX);
+
+// Rows that stand `off`, off - 1, off - 2 ... cells off take over what is nearer.
+[[gnu::always_inline]] inline void lift_into(const Row& row, int off, Row* first, std::size_t stride) {
+  for (std::size_t to = 0; to < kBlockSize; ++to) {
+    Row lifted;
+    std::memcpy(&lifted, kLifts[static_cast<std::size_t>(off + kMostOff) - to].data(), sizeof(lifted));
+    lifted += row;
+    Row& least = first[to * stride];
+    least = lifted < least ? lifted : least;
+  }
+}
+
+// A separable transform: along x, then y, then z. Integers, so that every processor finds the same. What is beyond reach
+// along one axis is so altogether.
 [[gnu::always_inline]] inline void transform(const Window& window, Keys& keys) {
   const int reach = window.reach;
   for (Layer& layer : keys) layer.fill(Row{} + kFar);
@@ -181,22 +205,11 @@ using Keys = std::array<Layer, kBlockSize>;
       any = true;
       Row in_row;
       nearest_in_row(bits, reach, in_row);
-      for (int to = std::max(0, y - 2 * reach); to < std::min(kBlockSize, y + 1); ++to) {
-        const int off = y - reach - to;
-        const Row lifted = in_row + (off * off << kSquareShift | y << kAxisBits);
-        Row& least = layer[static_cast<std::size_t>(to)];
-        least = lifted < least ? lifted : least;
-      }
+      lift_into(in_row + (y << kAxisBits), y - reach, layer.data(), 1);
     }
     if (!any) continue;
-    for (int to = std::max(0, z - 2 * reach); to < std::min(kBlockSize, z + 1); ++to) {
-      const int off = z - reach - to;
-      const std::int32_t lift = off * off << kSquareShift | z << (2 * kAxisBits);
-      Layer& least = keys[static_cast<std::size_t>(to)];
-      for (std::size_t y = 0; y < kBlockSize; ++y) {
-        const Row lifted = layer[y] + lift;
-        least[y] = lifted < least[y] ? lifted : least[y];
-      }
+    for (std::size_t y = 0; y < kBlockSize; ++y) {
+      lift_into(layer[y] + (z << (2 * kAxisBits)), z - reach, keys[0].data() + y, kBlockSize);
     }
   }
 }
