@@ -167,8 +167,8 @@ constexpr NearestOfEight kNearestOfEight = [] {
 using Layer = std::array<Row, kBlockSize>;  // the cells of one z
 using Keys = std::array<Layer, kBlockSize>;
 
-// What being so many cells off along one axis adds to each key of a row, for all that a cell of the block and one of the
-// window can be.
+// What being so many cells off along one axis adds to each key of a row, for all that a cell of the block and one of
+// the window can be.
 constexpr int kMostOff = kMostReach + kBlockSize - 1;
 constexpr auto kLifts = [] {
   std::array<std::array<std::int32_t, kBlockSize>, 2 * kMostOff + 1> lifts{};
@@ -190,8 +190,8 @@ static_assert(std::int64_t{kFar} + 2 * (std::int64_t{kMostOff * kMostOff} << kSq
   }
 }
 
-// A separable transform: along x, then y, then z. Integers, so that every processor finds the same. What is beyond reach
-// along one axis is so altogether.
+// A separable transform: along x, then y, then z. Integers, so that every processor finds the same. What is beyond
+// reach along one axis is so altogether.
 [[gnu::always_inline]] inline void transform(const Window& window, Keys& keys) {
   const int reach = window.reach;
   for (Layer& layer : keys) layer.fill(Row{} + kFar);

@@ -90,9 +90,15 @@ constexpr std::array<std::uint8_t, 256> kOnes = [] {
 }  // namespace
 
 VoxelClusters::VoxelClusters(const VoxelMap& map, VoxelPosition position) : points_(map.voxels().size()) {
-  // More than there will be, but what is not written to costs nothing, and growing would touch all of it twice.
-  blocks_.reserve(map.blocks().size());
-  boxes_.reserve(std::min(kClusters * map.blocks().size(), map.voxels().size()));
+  std::size_t blocks = 0;
+  std::size_t clusters = 0;
+  for (const VoxelBlock& block : map.blocks()) {
+    if (block.voxel_count == 0) continue;
+    ++blocks;
+    for (const std::uint32_t count : voxels_in_clusters(block)) clusters += count > 0 ? 1 : 0;
+  }
+  blocks_.reserve(blocks);
+  boxes_.reserve(clusters);
   for (const VoxelBlock& block : map.blocks()) {
     if (block.voxel_count > 0) add_block(map, position, block);
   }
