@@ -172,8 +172,10 @@ using Keys = std::array<Layer, kBlockSize>;
 constexpr int kMostOff = kMostReach + kBlockSize - 1;
 constexpr auto kLifts = [] {
   std::array<std::array<std::int32_t, kBlockSize>, 2 * kMostOff + 1> lifts{};
-  for (int off = -kMostOff; off <= kMostOff; ++off) {
-    lifts[static_cast<std::size_t>(off + kMostOff)].fill(off * off << kSquareShift);
+  int off = -kMostOff;
+  for (auto& lift : lifts) {
+    lift.fill(off * off << kSquareShift);
+    ++off;
   }
   return lifts;
 }();
