@@ -16,76 +16,20 @@ namespace {
 
 constexpr std::size_t kTogether = LookUpKernels::kTogether;
 
-// Plain arithmetic: the compiler makes registers of it.
-[[gnu::always_inline]] inline void find_places_in_box(const PointColumns& points_m, std::size_t count, double per_metre,
-                                                      const FieldBox& box, CellPlaces& places) {
-  const std::array<std::int32_t, 3> from = {box.low.x(), box.low.y(), box.low.z()};
-  const std::array<std::uint32_t, 3> blocks = {static_cast<std::uint32_t>(box.size.x()),
-                                               static_cast<std::uint32_t>(box.size.y()),
-                                               static_cast<std::uint32_t>(box.size.z())};
-  constexpr std::int32_t kInside = kBlockSize - 1;
-  for (std::size_t k = 0; k < count; ++k) {
-    const std::int32_t x = whole_below(points_m.x[k] * per_metre);
-    const std::int32_t y = whole_below(points_m.y[k] * per_metre);
-    const std::int32_t z = whole_below(points_m.z[k] * per_metre);
-    const auto block_x = static_cast<std::uint32_t>((x >> kBlockShift) - from[0]);
-    const auto block_y = static_cast<std::uint32_t>((y >> kBlockShift) - from[1]);
-    const auto block_z = static_cast<std::uint32_t>((z >> kBlockShift) - from[2]);
-    const auto slot = static_cast<std::int32_t>((block_z * blocks[1] + block_y) * blocks[0] + block_x);
-    // One comparison a line: g++ 12 makes single steps of a condition that joins several.
-    std::int32_t found = block_x < blocks[0] ? slot : CellPlaces::kOutside;
-    found = block_y < blocks[1] ? found : CellPlaces::kOutside;
-    found = block_z < blocks[2] ? found : CellPlaces::kOutside;
-    places.slot[k] = found;
-    places.bit[k] = (x & kInside) | (y & kInside) << kBlockShift | (z & kInside) << (2 * kBlockShift);
-  }
-}
-
-// To the bit what Eigen makes of T * point.
-[[gnu::always_inline]] inline void move_each(const Transform& to, const FloatColumns& points_m, std::size_t count,
-                                             PointColumns& moved_m) {
-  const Transform T = to;  // which is not written to meanwhile
-  for (std::size_t k = 0; k < count; ++k) {
-    const double x_m = points_m.x[k];
-    const double y_m = points_m.y[k];
-    const double z_m = points_m.z[k];
-    moved_m.x[k] = T.turn[0][0] * x_m + T.turn[0][1] * y_m + T.turn[0][2] * z_m + T.shift_m[0];
-    moved_m.y[k] = T.turn[1][0] * x_m + T.turn[1][1] * y_m + T.turn[1][2] * z_m + T.shift_m[1];
-    moved_m.z[k] = T.turn[2][0] * x_m + T.turn[2][1] * y_m + T.turn[2][2] * z_m + T.shift_m[2];
-  }
-}
-
-[[gnu::always_inline]] inline void measure_each(const PointColumns& points_m, const FloatColumns& others_m,
-                                                std::size_t count, std::array<double, PointColumns::kMost>& square_m2) {
-  for (std::size_t k = 0; k < count; ++k) {
-    const double x_m = others_m.x[k] - points_m.x[k];
-    const double y_m = others_m.y[k] - points_m.y[k];
-    const double z_m = others_m.z[k] - points_m.z[k];
-    square_m2[k] = x_m * x_m + y_m * y_m + z_m * z_m;
-  }
-}
-
 namespace baseline {
 
-void move(const Transform& T, const FloatColumns& points_m, std::size_t count, PointColumns& moved_m) {
-  move_each(T, points_m, count, moved_m);
-}
-
-void find_places(const PointColumns& points_m, std::size_t count, double per_metre, const FieldBox& box,
-                 CellPlaces& places) {
-  find_places_in_box(points_m, count, per_metre, box, places);
-}
+#include "kilter/matching/look_up_columns.inc"
 
 // All addresses first: memory is waited for once.
-std::uint32_t read_cells(const FieldCells* const* table, const CellPlaces& places, std::size_t first,
+std::uint32_t read_cells(const FieldCell* const* table, const CellPlaces& places, std::size_t first,
                          VoxelColumn& voxels) {
-  std::array<const FieldCells*, kTogether> cells{};
+  std::array<const FieldCell*, kTogether> cells{};
   std::uint32_t missing = 0;
   for (std::size_t k = 0; k < kTogether; ++k) {
     const std::int32_t slot = places.slot[first + k];
     cells[k] = &kNoVoxel;
     if (slot == CellPlaces::kOutside) continue;
-    const FieldCells* const block = std::atomic_ref(table[slot]).load(std::memory_order_acquire);
+    const FieldCell* const block = std::atomic_ref(table[slot]).load(std::memory_order_acquire);
     if (block == nullptr) {
       missing |= 1U << k;
       continue;
@@ -109,11 +53,6 @@ void take_rows(const Eigen::Vector3f* rows, const VoxelColumn& numbers, std::siz
   }
 }
 
-void measure(const PointColumns& points_m, const FloatColumns& others_m, std::size_t count,
-             std::array<double, PointColumns::kMost>& square_m2) {
-  measure_each(points_m, others_m, count, square_m2);
-}
-
 constexpr LookUpKernels kKernels = {move, find_places, read_cells, take_rows, measure};
 
 }  // namespace baseline
@@ -122,19 +61,7 @@ constexpr LookUpKernels kKernels = {move, find_places, read_cells, take_rows, me
 KILTER_BEGIN_TARGET("avx2")
 namespace avx2 {
 
-void move(const Transform& T, const FloatColumns& points_m, std::size_t count, PointColumns& moved_m) {
-  move_each(T, points_m, count, moved_m);
-}
-
-void find_places(const PointColumns& points_m, std::size_t count, double per_metre, const FieldBox& box,
-                 CellPlaces& places) {
-  find_places_in_box(points_m, count, per_metre, box, places);
-}
-
-void measure(const PointColumns& points_m, const FloatColumns& others_m, std::size_t count,
-             std::array<double, PointColumns::kMost>& square_m2) {
-  measure_each(points_m, others_m, count, square_m2);
-}
+#include "kilter/matching/look_up_columns.inc"  // NOLINT(readability-duplicate-include): for each
 
 constexpr LookUpKernels kKernels = {move, find_places, baseline::read_cells, baseline::take_rows, measure};
 
@@ -144,25 +71,13 @@ KILTER_END_TARGET
 KILTER_BEGIN_TARGET("avx512f")
 namespace avx512 {
 
-void move(const Transform& T, const FloatColumns& points_m, std::size_t count, PointColumns& moved_m) {
-  move_each(T, points_m, count, moved_m);
-}
-
-void find_places(const PointColumns& points_m, std::size_t count, double per_metre, const FieldBox& box,
-                 CellPlaces& places) {
-  find_places_in_box(points_m, count, per_metre, box, places);
-}
-
-void measure(const PointColumns& points_m, const FloatColumns& others_m, std::size_t count,
-             std::array<double, PointColumns::kMost>& square_m2) {
-  measure_each(points_m, others_m, count, square_m2);
-}
+#include "kilter/matching/look_up_columns.inc"  // NOLINT(readability-duplicate-include): for each
 
 constexpr __mmask8 kAll = 0xFF;  // of what is not masked g++ 12 thinks that it is not initialized
 
 // The lanes of a gather are loads of their own and in order, as any load of this processor: what a block's builder
 // wrote before its address is there with it.
-std::uint32_t read_cells(const FieldCells* const* table, const CellPlaces& places, std::size_t first,
+std::uint32_t read_cells(const FieldCell* const* table, const CellPlaces& places, std::size_t first,
                          VoxelColumn& voxels) {
   const __m512i slots = _mm512_maskz_cvtepi32_epi64(
       kAll, _mm256_load_si256(reinterpret_cast<const __m256i*>(places.slot.data() + first)));

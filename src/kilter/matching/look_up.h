@@ -15,8 +15,8 @@ namespace kilter {
 /// No voxel is near, or none is known to be.
 inline constexpr std::uint32_t kNoVoxel = 0xFFFFFFFF;
 
-/// The cells of one block of a field, each with a voxel's number or kNoVoxel, by bit_of.
-using FieldCells = std::uint32_t;
+/// A cell of a field: a voxel's number or kNoVoxel. A block's stand one after the other, by bit_of.
+using FieldCell = std::uint32_t;
 
 /// Blocks of a lattice in a box, x fastest, a place for each in a table.
 struct FieldBox {
@@ -62,7 +62,7 @@ struct LookUpKernels {
                       CellPlaces& places);
   /// Reads what stands at places [first, first + kTogether) of blocks that are there. \return a bit for each of them
   /// whose block is not there yet, and then none are read.
-  std::uint32_t (*read_cells)(const FieldCells* const* table, const CellPlaces& places, std::size_t first,
+  std::uint32_t (*read_cells)(const FieldCell* const* table, const CellPlaces& places, std::size_t first,
                               VoxelColumn& voxels);
   /// Rows of these numbers; zeros for kNoVoxel.
   void (*take_rows)(const Eigen::Vector3f* rows, const VoxelColumn& numbers, std::size_t count, FloatColumns& taken);

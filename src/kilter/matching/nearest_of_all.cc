@@ -14,6 +14,8 @@ namespace {
 
 // A centroid lies in its voxel, but for the rounding of its floats.
 constexpr double kSlackVoxels = 0.01;
+// Of a coordinate, more than its floats round away; it counts some kilometres from the origin.
+constexpr double kRoundedAway = 1e-6;
 // Those who ask together are of one cluster, unless it is nearly empty.
 constexpr std::uint32_t kEnoughTogether = 10;
 // Blocks of one row ask together while their voxels are few: what lies around them is looked up once.
@@ -108,7 +110,8 @@ void BlocksAsking::bound(const VoxelClusters::Range& clusters) {
     const Eigen::Vector3d low_m = Eigen::Map<const Eigen::Vector3f>(cluster.low_m.data()).cast<double>();
     const Eigen::Vector3d high_m = Eigen::Map<const Eigen::Vector3f>(cluster.high_m.data()).cast<double>();
     const Eigen::Vector3d middle_m = T_ * Eigen::Vector3d(0.5 * (low_m + high_m));
-    const Eigen::Vector3d half_m = turned * (0.5 * (high_m - low_m)) + Eigen::Vector3d::Constant(slack_m);
+    const Eigen::Vector3d rounded_m = kRoundedAway * middle_m.cwiseAbs() + Eigen::Vector3d::Constant(slack_m);
+    const Eigen::Vector3d half_m = turned * (0.5 * (high_m - low_m)) + rounded_m;
     box_m.extend(middle_m - half_m).extend(middle_m + half_m);
   }
   for (std::size_t axis = 0; axis < 3; ++axis) {

@@ -77,6 +77,28 @@ TEST(NearestOfAll, IsWhatEachVoxelFindsAlone) {
   }
 }
 
+// Where floats are eight millimetres apart.
+TEST(NearestOfAll, FarFromTheOriginToo) {
+  const Pose3 away = Pose3::from_translation(110000.0, -90000.0, 300.0);
+  std::vector<VoxelMap> maps;
+  for (const std::uint64_t seed : {5U, 6U}) {
+    std::vector<Eigen::Vector3d> cloud;
+    const VoxelMap near = room(seed, 0.1, 9000);
+    for (const Eigen::Vector3f& point_m : near.voxels().centroids_m) {
+      cloud.push_back(away * point_m.cast<double>());
+    }
+    MapBuilder builder({.resolution_m = 0.1});
+    builder.insert_points(cloud);
+    maps.push_back(builder.finish());
+  }
+  const NearestVoxelSearch from(maps[0], VoxelPosition::kCentroid, 1.0);
+  const NearestVoxelSearch onto(maps[1], VoxelPosition::kCentroid, 1.0);
+  for (double x_m = 0.2; x_m < 1.3; x_m += 0.1) {
+    const Pose3 moved = pose({0.0, 0.0, x_m}, 0.0, {0.0, 0.0, 1.0});
+    expect_same(from, onto, away * moved * away.inverse(), 1.0);
+  }
+}
+
 // On one lattice most voxels have several others equally near.
 TEST(NearestOfAll, TiesGoToTheLowerVoxel) {
   const VoxelMap source = room(3, 0.25, 5000);

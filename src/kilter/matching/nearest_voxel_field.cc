@@ -296,7 +296,7 @@ NearestVoxelField::NearestVoxelField(const VoxelMap& map, double reach_m, Vector
   // Zeros that the system makes when they are touched; a vector would touch them all.
   // NOLINTNEXTLINE(cppcoreguidelines-no-malloc)
   void* zeros = std::calloc(static_cast<std::size_t>(box_.size.cast<double>().prod()), kSlotBytes);
-  table_.reset(static_cast<const FieldCells**>(zeros));
+  table_.reset(static_cast<const FieldCell**>(zeros));
   if (table_ == nullptr) throw std::bad_alloc();
 }
 
@@ -329,20 +329,20 @@ void NearestVoxelField::find_places(const PointColumns& points_m, std::size_t co
 }
 
 // Or finds it built.
-const FieldCells* NearestVoxelField::build(std::int32_t slot) const {
+const FieldCell* NearestVoxelField::build(std::int32_t slot) const {
   static const Block kNothingNear = [] {
     Block block{};
     block.voxels.fill(kNoVoxel);
     return block;
   }();
-  const std::atomic_ref<const FieldCells*> place(table_[static_cast<std::size_t>(slot)]);
-  if (const FieldCells* built = place.load(std::memory_order_acquire); built != nullptr) return built;
+  const std::atomic_ref<const FieldCell*> place(table_[static_cast<std::size_t>(slot)]);
+  if (const FieldCell* built = place.load(std::memory_order_acquire); built != nullptr) return built;
   const Eigen::Vector3i& size = box_.size;
   const Eigen::Vector3i at(slot % size.x(), slot / size.x() % size.y(), slot / (size.x() * size.y()));
   auto built = std::make_unique_for_overwrite<Block>();
   if (!compute_with(path_)(*map_, box_.low + at, reach_, built->voxels)) built.reset();
   const std::lock_guard lock(building_);
-  if (const FieldCells* others = place.load(std::memory_order_relaxed); others != nullptr) return others;
+  if (const FieldCell* others = place.load(std::memory_order_relaxed); others != nullptr) return others;
   const Block* block = &kNothingNear;
   if (built) {
     block = built.get();

@@ -49,7 +49,7 @@ class NearestVoxelField {
 
  private:
   struct Block {
-    std::array<FieldCells, kBlockVoxels> voxels;
+    std::array<FieldCell, kBlockVoxels> voxels;
   };
   static constexpr std::size_t kSlotBytes = sizeof(void*);  // of table_
   struct Free {
@@ -57,14 +57,14 @@ class NearestVoxelField {
   };
 
   void find_places(const PointColumns& points_m, std::size_t count, CellPlaces& places) const;
-  const FieldCells* build(std::int32_t slot) const;
+  const FieldCell* build(std::int32_t slot) const;
 
   const VoxelMap* map_;
   int reach_;  // cells between the centres of a point's cell and of its voxel
   VectorPath path_;
   FieldBox box_;
   // Null where nobody has looked yet; pages that nobody touches cost nothing.
-  std::unique_ptr<const FieldCells*[], Free> table_;
+  std::unique_ptr<const FieldCell*[], Free> table_;
   mutable std::mutex building_;
   mutable std::vector<std::unique_ptr<const Block>> blocks_;
 };
