@@ -3,7 +3,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <array>
 #include <atomic>
 #include <cstdint>
 #include <cstdlib>
@@ -12,6 +11,7 @@
 #include <vector>
 
 #include "kilter/base/vector_path.h"
+#include "kilter/matching/field_block.h"
 #include "kilter/matching/look_up.h"
 #include "kilter/matching/point_columns.h"
 #include "kilter/occupancy/voxel_map.h"
@@ -48,9 +48,6 @@ class NearestVoxelField {
   [[nodiscard]] std::size_t bytes() const;
 
  private:
-  struct Block {
-    std::array<FieldCell, kBlockVoxels> voxels;
-  };
   static constexpr std::size_t kSlotBytes = sizeof(void*);  // of table_
   struct Free {
     void operator()(void* memory) const { std::free(memory); }  // NOLINT(cppcoreguidelines-no-malloc): calloc's
@@ -63,10 +60,11 @@ class NearestVoxelField {
   int reach_;  // cells between the centres of a point's cell and of its voxel
   VectorPath path_;
   FieldBox box_;
+  OccupiedBlocks occupied_;
   // Null where nobody has looked yet; pages that nobody touches cost nothing.
   std::unique_ptr<const FieldCell*[], Free> table_;
   mutable std::mutex building_;
-  mutable std::vector<std::unique_ptr<const Block>> blocks_;
+  mutable std::vector<std::unique_ptr<const FieldBlock>> blocks_;
 };
 
 }  // namespace kilter

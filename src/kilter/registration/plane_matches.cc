@@ -26,9 +26,9 @@ struct Strides {
 
 // Both ways, so that it does not matter which of the two is called the source. A target point q lies off a source
 // plane by (R n) . (q - T c); moving the source moves that plane, hence the turned direction.
-std::vector<PlaneResidual> match_both_ways(PlanePair& pair, const Pose3& T_target_source, double search_m,
-                                           const Strides& strides, const MotionOfPlace& shift = {}) {
-  std::vector<PlaneResidual> residuals;
+void match_both_ways(PlanePair& pair, const Pose3& T_target_source, double search_m, const Strides& strides,
+                     std::vector<PlaneResidual>& residuals, const MotionOfPlace& shift = {}) {
+  residuals.clear();
   residuals.reserve(pair.source_map().voxels().size() / strides.source +
                     pair.target_map().voxels().size() / strides.target + 2);
   match_voxels(pair.source_map(), every(strides.source, pair.source_map().voxels().size()), pair.in_target,
@@ -48,7 +48,11 @@ std::vector<PlaneResidual> match_both_ways(PlanePair& pair, const Pose3& T_targe
     residuals[i].direction = -(T.linear() * residuals[i].direction);
     std::swap(residuals[i].source_at, residuals[i].target_at);
   }
-  return residuals;
+}
+
+Strides strides_of(const PlanePair& pair, std::size_t max_points) {
+  const auto stride = [&](const VoxelMap& of) { return std::max<std::size_t>(1, of.voxels().size() / max_points); };
+  return {stride(pair.source_map()), stride(pair.target_map())};
 }
 
 // Some voxels of one submap, and the planes of the other that they meet.
@@ -117,13 +121,28 @@ void take_voxels(const SurfaceVoxels& points, std::span<const std::uint32_t> vox
   }
 }
 
-double median_absolute_m(const std::vector<PlaneResidual>& residuals) {
-  std::vector<double> sizes(residuals.size());
-  std::transform(residuals.begin(), residuals.end(), sizes.begin(),
-                 [](const PlaneResidual& r) { return std::abs(r.residual_m); });
-  const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
-  std::nth_element(sizes.begin(), middle, sizes.end());
+// The median of no negative numbers: of the bin that holds it, those in it are put in order.
+double median_of_sizes(std::vector<double>& sizes) {
+  constexpr std::size_t kBins = 4096;
+  const double largest = *std::max_element(sizes.begin(), sizes.end());
+  const double per_bin = largest > 0.0 ? kBins / largest : 0.0;
+  const auto bin_of = [&](double size) { return std::min(static_cast<std::size_t>(size * per_bin), kBins - 1); };
+  std::array<std::uint32_t, kBins> counts{};
+  for (const double size : sizes) ++counts[bin_of(size)];
+  std::size_t rank = sizes.size() / 2;
+  std::size_t bin = 0;
+  for (; rank >= counts[bin]; ++bin) rank -= counts[bin];
+  const auto end = std::remove_if(sizes.begin(), sizes.end(), [&](double size) { return bin_of(size) != bin; });
+  const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(rank);
+  std::nth_element(sizes.begin(), middle, end);
   return *middle;
+}
+
+double median_absolute_m(const std::vector<PlaneResidual>& residuals) {
+  std::vector<double> sizes_m(residuals.size());
+  std::transform(residuals.begin(), residuals.end(), sizes_m.begin(),
+                 [](const PlaneResidual& r) { return std::abs(r.residual_m); });
+  return median_of_sizes(sizes_m);
 }
 
 }  // namespace
@@ -153,12 +172,18 @@ void match_voxels(const VoxelMap& from, std::span<const std::uint32_t> voxels, R
       }
       in_onto.near(numbers, moved_m, search_m, batch.near);
     }
+    for (std::size_t k = 0; k < batch.count; ++k) {
+      const std::uint32_t plane = batch.near.voxel[k];
+      if (plane == kNoVoxel) continue;
+      __builtin_prefetch(planes.planarity.data() + plane);
+      __builtin_prefetch(planes.seen_at.data() + plane);
+    }
     kernels.take_rows(planes.normals.data(), batch.near.voxel, batch.count, batch.plane_normal);
     compare(T, oriented, batch);
     for (std::size_t k = 0; k < batch.count; ++k) {
       if (batch.agreement[k] < kLeastAgreement) continue;
       const std::uint32_t plane = batch.near.voxel[k];
-      residuals.push_back({batch.at_m[k], planes.normals[plane].cast<double>(), batch.residual_m[k],
+      residuals.push_back({batch.at_m[k], batch.plane_normal[k].cast<double>(), batch.residual_m[k],
                            static_cast<double>(planes.planarity[plane]), points.seen_at[numbers[k]],
                            planes.seen_at[plane]});
     }
@@ -167,19 +192,21 @@ void match_voxels(const VoxelMap& from, std::span<const std::uint32_t> voxels, R
 
 std::vector<PlaneResidual> match_planes(PlanePair& pair, const Pose3& T_target_source, double search_m,
                                         std::size_t max_points, const MotionOfPlace& shift) {
-  const auto stride = [&](const VoxelMap& of) { return std::max<std::size_t>(1, of.voxels().size() / max_points); };
-  return match_both_ways(pair, T_target_source, search_m, {stride(pair.source_map()), stride(pair.target_map())},
-                         shift);
+  std::vector<PlaneResidual> residuals;
+  match_both_ways(pair, T_target_source, search_m, strides_of(pair, max_points), residuals, shift);
+  return residuals;
+}
+
+void match_planes(PlanePair& pair, const Pose3& T_target_source, double search_m, std::size_t max_points,
+                  std::vector<PlaneResidual>& residuals) {
+  match_both_ways(pair, T_target_source, search_m, strides_of(pair, max_points), residuals);
 }
 
 std::vector<PlaneResidual> match_every(PlanePair& pair, const Pose3& T_target_source, double search_m,
                                        std::size_t stride) {
-  return match_both_ways(pair, T_target_source, search_m, {stride, stride});
-}
-
-double geman_mcclure(double residual_m, double scale_m) {
-  const double ratio = scale_m * scale_m / (scale_m * scale_m + residual_m * residual_m);
-  return ratio * ratio;
+  std::vector<PlaneResidual> residuals;
+  match_both_ways(pair, T_target_source, search_m, {stride, stride}, residuals);
+  return residuals;
 }
 
 void apply_kernel(std::vector<PlaneResidual>& residuals, double least_m) {

@@ -56,12 +56,19 @@ void match_voxels(const VoxelMap& from, std::span<const std::uint32_t> voxels, R
 [[nodiscard]] std::vector<PlaneResidual> match_planes(PlanePair& pair, const Pose3& T_target_source, double search_m,
                                                       std::size_t max_points, const MotionOfPlace& shift = {});
 
+/// The same in place of what `residuals` held, whose memory serves again.
+void match_planes(PlanePair& pair, const Pose3& T_target_source, double search_m, std::size_t max_points,
+                  std::vector<PlaneResidual>& residuals);
+
 /// The same, of every `stride`-th voxel of both.
 [[nodiscard]] std::vector<PlaneResidual> match_every(PlanePair& pair, const Pose3& T_target_source, double search_m,
                                                      std::size_t stride);
 
 /// Geman-McClure weight, 0..1: residuals far beyond the scale stop pulling.
-[[nodiscard]] double geman_mcclure(double residual_m, double scale_m);
+[[nodiscard]] inline double geman_mcclure(double residual_m, double scale_m) {
+  const double ratio = scale_m * scale_m / (scale_m * scale_m + residual_m * residual_m);
+  return ratio * ratio;
+}
 
 /// Robust weights on top of planarity, by a Geman-McClure kernel. The scale follows the residuals' own spread but never
 /// falls below `least_m`: where floor and ceiling are most of the scene they fit whatever the walls say, and a scale

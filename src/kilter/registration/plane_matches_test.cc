@@ -4,9 +4,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 
+#include "kilter/base/rng.h"
 #include "kilter/matching/same_side.h"
 #include "testing/scenes.h"
 
@@ -139,6 +141,39 @@ TEST(MatchVoxels, DoNotDependOnWhichOthersAreAsked) {
   }
   ASSERT_EQ(apart.size(), together.size());
   for (std::size_t i = 0; i < apart.size(); ++i) expect_same(apart[i], together[i]);
+}
+
+TEST(MatchPlanes, TakeTheMemoryOfWhatWasFoundBeforeAndNothingElse) {
+  const Rooms rooms;
+  PlanePair pair{rooms.source, rooms.target};
+  const std::vector<PlaneResidual> expected = match_planes(pair, rooms.T_target_source, kReach_m, kAllPoints);
+  std::vector<PlaneResidual> again(7);
+  match_planes(pair, rooms.T_target_source, kReach_m, kAllPoints, again);
+  ASSERT_EQ(again.size(), expected.size());
+  for (std::size_t i = 0; i < again.size(); ++i) expect_same(again[i], expected[i]);
+}
+
+TEST(ApplyKernel, ItsScaleIsThatOfTheMedianResidualButNeverBelowTheLeast) {
+  Rng rng(5, 0);
+  for (const std::size_t count : {1, 2, 3, 10, 4999}) {
+    for (const double outlier_m : {0.0, 1.0, 1e6}) {
+      std::vector<PlaneResidual> residuals(count);
+      std::vector<double> sizes_m;
+      for (PlaneResidual& r : residuals) {
+        r.residual_m = rng.uniform(0.0, 1.0) < 0.3 ? -outlier_m : rng.uniform(-0.1, 0.1);
+        r.weight = rng.uniform(0.0, 1.0);
+        sizes_m.push_back(std::abs(r.residual_m));
+      }
+      std::sort(sizes_m.begin(), sizes_m.end());
+      const double least_m = 0.02;
+      const double scale_m = std::max(2.0 * 1.4826 * sizes_m[count / 2], least_m);
+      std::vector<PlaneResidual> weighted = residuals;
+      apply_kernel(weighted, least_m);
+      for (std::size_t i = 0; i < count; ++i) {
+        ASSERT_EQ(weighted[i].weight, residuals[i].weight * geman_mcclure(residuals[i].residual_m, scale_m));
+      }
+    }
+  }
 }
 
 }  // namespace

@@ -8,28 +8,13 @@
 
 #include "kilter/matching/conflict.h"
 #include "kilter/registration/coarse_search.h"
-#include "kilter/registration/normal_equations.h"
+#include "kilter/registration/descent.h"
 #include "kilter/registration/plane_matches.h"
-#include "kilter/registration/slide_contrast.h"
-#include "kilter/registration/uncertainty.h"
+#include "kilter/registration/settle.h"
 
 namespace kilter {
 namespace {
 
-constexpr double kShrink = 0.7;             // search distance, from one level to the next
-constexpr double kFinalSearchVoxels = 4.0;  // and where that ends
-constexpr double kLevelSettled = 0.05;      // a step below this share of the search distance ends a level
-constexpr int kLevelIterations = 10;        // and so do this many steps
-constexpr double kKernelOfSearch = 0.5;     // kernel scale at least this share of the search distance, until the last
-constexpr double kFinalKernelVoxels = 0.5;  // level, where it is at least this many voxels
-constexpr double kSmallStep_m = 1e-3;
-constexpr double kSmallTurn_rad = 1e-4;
-constexpr std::size_t kFewestResiduals = 40;
-constexpr int kPolishSteps = 3;
-constexpr double kPolished_m = 1e-4;
-constexpr double kPolished_rad = 1e-5;
-constexpr double kSlidVoxels = 0.25;  // a motion this small along a free direction is not worth another descent
-// The wide search.
 constexpr int kWideStarts = 10;
 constexpr int kWidePoints = 600;             // while descending from each of them
 constexpr std::size_t kJudgedVoxels = 6000;  // of the larger submap, to tell the best
@@ -43,228 +28,10 @@ constexpr double kSameSupport = 0.8;
 constexpr double kFringe = 0.3;  // of the support elsewhere
 constexpr double kConflictAtHome = 0.5;
 constexpr double kLeastConflictMore = 0.005;
-constexpr double kWideRefinement_m = 1.0;  // a coarse pose is good to a cell or two
 constexpr double kWideTurn_rad = 0.05;
-constexpr double kMostRise_m = 1.0;         // vertically; lidar poses drift less in height
-constexpr double kDistinctVoxels = 5.0;     // optima nearer than this are one
-constexpr double kSameVoxels = 1.0;         // and nearer than this, judged once
-constexpr double kCloseSearchVoxels = 6.0;  // for the last descent, from the best
-
-bool out_of_range(const Pose3& start, const Pose3& now, const Eigen::Vector3d& centre_target_m, double range_m,
-                  double max_rotation_rad) {
-  const Pose3 moved = now * start.inverse();
-  const double shift_m = (moved * centre_target_m - centre_target_m).norm();
-  return shift_m > range_m || moved.angle_rad() > max_rotation_rad;
-}
-
-// What the iterations of one search leave behind.
-struct Descent {
-  StopReason stop = StopReason::kTooFewMatches;
-  Pose3 T;
-  Eigen::Vector3d centre_m = Eigen::Vector3d::Zero();  // of what last met, target frame
-  int iterations = 0;
-
-  [[nodiscard]] bool ended() const { return stop == StopReason::kConverged || stop == StopReason::kMaxIterations; }
-};
-
-double final_search_m(const PairGrain& grain, const RegistrationOptions& options) {
-  return std::min(kFinalSearchVoxels * grain.edge_m, options.search_distance_m);
-}
-
-// Motions v0 + w x p of the target frame along which a search does not move.
-using HeldMotions = std::vector<Vector6>;
-
-// From the start into the nearest optimum, at most range_m away.
-Descent descend(PlanePair& pair, const Pose3& start, const RegistrationOptions& options, double range_m,
-                const HeldMotions& held = {}) {
-  const auto max_points = static_cast<std::size_t>(options.max_points);
-  // How many voxels one residual stands for: the gate counts voxels, of either submap.
-  const double per_residual =
-      std::max(1.0, static_cast<double>(pair.source_map().voxels().size()) / options.max_points);
-  const auto enough = [&](std::size_t count) {
-    return 0.5 * static_cast<double>(count) * per_residual >= options.min_matches * pair.grain.voxels_per_cell &&
-           count >= kFewestResiduals;
-  };
-  const double last_search_m = final_search_m(pair.grain, options);
-  const double final_kernel_m = kFinalKernelVoxels * pair.grain.edge_m;
-  Descent descent;
-  descent.T = start;
-  double search_m = options.search_distance_m;
-  bool settled = false;
-  int level_iterations = 0;
-  while (!settled && descent.iterations < options.max_iterations) {
-    ++descent.iterations;
-    ++level_iterations;
-    const bool last_level = search_m <= last_search_m;
-    std::vector<PlaneResidual> residuals = match_planes(pair, descent.T, search_m, max_points);
-    if (!enough(residuals.size())) return descent;
-    apply_kernel(residuals, last_level ? final_kernel_m : kKernelOfSearch * search_m);
-    const NormalEquations equations = build_normal_equations(residuals);
-    const ObservableSplit split = held.empty() ? split_observable(equations, residuals) : split_beside(equations, held);
-    if (split.unobservable == 6) {
-      descent.stop = StopReason::kDegenerate;
-      return descent;
-    }
-    const Vector6 step = solve_observable(equations, split);
-    descent.T = motion_about(equations.centre_m, step) * descent.T;
-    descent.centre_m = equations.centre_m;
-    if (out_of_range(start, descent.T, equations.centre_m, range_m, options.max_rotation_rad)) {
-      descent.stop = StopReason::kOutOfRange;
-      return descent;
-    }
-    settled = last_level && step.head<3>().norm() < kSmallStep_m && step.tail<3>().norm() < kSmallTurn_rad;
-    if (!last_level && (step.head<3>().norm() < kLevelSettled * search_m || level_iterations >= kLevelIterations)) {
-      search_m = std::max(search_m * kShrink, last_search_m);
-      level_iterations = 0;
-    }
-  }
-  descent.stop = settled ? StopReason::kConverged : StopReason::kMaxIterations;
-  return descent;
-}
-
-// All correspondences at a pose, robustly weighted, and what they fix.
-struct Look {
-  std::vector<PlaneResidual> residuals;
-  NormalEquations equations;
-  ObservableSplit split;
-  std::size_t supporting = 0;  // residuals below kPlaneSupportVoxels
-};
-
-Look look_at(PlanePair& pair, const Pose3& T_target_source, const RegistrationOptions& options,
-             const HeldMotions& held) {
-  Look look;
-  look.residuals = match_planes(pair, T_target_source, final_search_m(pair.grain, options), kAllPoints);
-  look.supporting = count_below(look.residuals, support_m(pair.grain));
-  if (look.residuals.empty()) return look;
-  apply_kernel(look.residuals, kFinalKernelVoxels * pair.grain.edge_m);
-  look.equations = build_normal_equations(look.residuals);
-  look.split = split_beside(look.equations, held);
-  return look;
-}
-
-// The part of the motion from the start to T that lies along directions which nothing fixes there, as (v, w) about the
-// centre.
-Vector6 free_motion(const Pose3& start, const Pose3& T, const Look& look) {
-  const Pose3 moved = T * start.inverse();
-  Vector6 motion;
-  motion.head<3>() = look.equations.centre_m - moved.inverse() * look.equations.centre_m;
-  motion.tail<3>() = moved.log().tail<3>();
-  return motion - fixed_part(look.equations, look.split, motion);
-}
-
-// How many residuals are small and face the motion that takes their points by `moved_m(point)`.
-template <typename Motion>
-std::size_t count_facing(std::span<const PlaneResidual> residuals, double limit_m, const Motion& moved_m) {
-  return static_cast<std::size_t>(std::count_if(residuals.begin(), residuals.end(), [&](const PlaneResidual& r) {
-    return std::abs(r.residual_m) < limit_m && faces(r.direction, moved_m(r.point_m));
-  }));
-}
-
-// The descent looks at a part of the voxels; all of them tell better. \return the look at the pose that they end at.
-Look polish(PlanePair& pair, const RegistrationOptions& options, const HeldMotions& held, Pose3& T_target_source) {
-  Look look = look_at(pair, T_target_source, options, held);
-  for (int k = 0; k < kPolishSteps && look.split.unobservable < 6; ++k) {
-    const Vector6 step = solve_observable(look.equations, look.split);
-    T_target_source = motion_about(look.equations.centre_m, step) * T_target_source;
-    look = look_at(pair, T_target_source, options, held);
-    if (step.head<3>().norm() < kPolished_m && step.tail<3>().norm() < kPolished_rad) break;
-  }
-  return look;
-}
-
-// Slides along what seems hardly fixed. Directions that turn out not to be are added to `held`; for the others, it says
-// how far clutter blurs them. \return how many were added.
-std::size_t doubt_weak_directions(PlanePair& pair, const Pose3& T_target_source, Look& look, HeldMotions& held) {
-  const std::size_t before = held.size();
-  for (int k = look.split.unobservable; k < 6 && look.split.shares[k] < kEnoughShare; ++k) {
-    const Vector6 motion = motion_of_frame(look.equations, look.split.directions.col(k));
-    const SlideContrast contrast = slide_contrast(pair, T_target_source, motion);
-    if (contrast.fixed()) {
-      look.split.blur_m[k] = contrast.blur_voxels() * pair.grain.edge_m;
-    } else {
-      held.push_back(motion);
-    }
-  }
-  return held.size() - before;
-}
-
-// The pose where a descent ended, settled on all voxels, with what is not fixed there held at the start. A pose found
-// along a direction that nothing fixes is where the search happened to stop: coarse levels and the wide search slide
-// along corridors to wherever most overlaps. Such a direction is taken back to the start, and the others settle again.
-Look settle(PlanePair& pair, const Pose3& start, const RegistrationOptions& options, Descent& descent) {
-  const double edge_m = pair.grain.edge_m;
-  RegistrationOptions close = options;
-  close.search_distance_m = std::min(options.search_distance_m, kCloseSearchVoxels * edge_m);
-  HeldMotions held;
-  while (true) {
-    Look look = polish(pair, options, held, descent.T);
-    if (look.residuals.empty() || doubt_weak_directions(pair, descent.T, look, held) == 0) return look;
-    look.split = split_beside(look.equations, held);
-    const Vector6 slid = free_motion(start, descent.T, look);
-    descent.T = motion_about(look.equations.centre_m, -slid) * descent.T;
-    if ((look.equations.unscale.inverse() * slid).norm() < kSlidVoxels * edge_m) continue;
-    const int before = descent.iterations;
-    descent = descend(pair, descent.T, close, kWideRefinement_m, held);
-    descent.iterations += before;
-    if (!descent.ended()) return look;
-  }
-}
-
-// The motion that leaves the least apart where a submap is bent, along what the scene fixes, about the look's centre.
-Vector6 to_least_apart(const Bend& bend, const Look& look) {
-  Vector6 motion = bend.common;
-  motion.head<3>() += bend.common.tail<3>().cross(look.equations.centre_m - bend.centre_m);
-  return fixed_part(look.equations, look.split, motion);
-}
-
-// All voxels of a cell are one measurement.
-std::size_t in_cells(std::size_t voxels, const PairGrain& grain) {
-  return static_cast<std::size_t>(std::lround(static_cast<double>(voxels) / grain.voxels_per_cell));
-}
-
-// Voxels that fit where the start has them, and where the end has them, of those that face the way between: floors fit
-// at every shift along them, walls at every height.
-void count_support(PlanePair& pair, const Pose3& start, const Pose3& end, double search_m,
-                   std::span<const PlaneResidual> at_end, RegistrationResult& result) {
-  const double near_m = support_m(pair.grain);
-  const Eigen::Isometry3d moved = (end * start.inverse()).isometry();
-  const Eigen::Isometry3d back = moved.inverse();
-  const std::vector<PlaneResidual> at_start = match_planes(pair, start, search_m, kAllPoints);
-  const auto from_start = [&](const Eigen::Vector3d& point_m) -> Eigen::Vector3d { return moved * point_m - point_m; };
-  const auto to_end = [&](const Eigen::Vector3d& point_m) -> Eigen::Vector3d { return point_m - back * point_m; };
-  result.support_start = in_cells(count_facing(at_start, near_m, from_start), pair.grain);
-  result.support_end = in_cells(count_facing(at_end, near_m, to_end), pair.grain);
-}
-
-// Judges where a descent ended on all voxels.
-RegistrationResult finish(PlanePair& pair, const Pose3& start, Descent descent, const RegistrationOptions& options,
-                          const RegistrationPrior& prior) {
-  RegistrationResult result;
-  result.T_target_source = result.T_target_source_closest = start;
-  Look look;
-  if (descent.ended()) look = settle(pair, start, options, descent);
-  result.iterations = descent.iterations;
-  result.stop = descent.stop;
-  if (!descent.ended()) return result;
-  result.matches = look.residuals.size() / 2;
-  if (look.residuals.empty() ||
-      in_cells(look.supporting, pair.grain) < 2 * static_cast<std::size_t>(options.min_matches)) {
-    result.stop = StopReason::kTooFewMatches;
-    return result;
-  }
-  count_support(pair, start, descent.T, final_search_m(pair.grain, options), look.residuals, result);
-  const std::vector<PlaneResidual> places = match_planes(pair, descent.T, options.search_distance_m, kBendPoints);
-  result.bend = measure_bend(pair, descent.T, options.search_distance_m, places);
-  result.T_target_source_closest = descent.T;
-  const Vector6 motion = to_least_apart(result.bend, look);
-  result.T_target_source = motion_about(look.equations.centre_m, (1.0 - result.bend.noise_share) * motion) * descent.T;
-  result.residual_rms_m = std::sqrt(look.equations.squares_m2 / look.equations.weight);
-  result.covariance_cells = cell_covariance(look.residuals, look.equations, look.split, pair.grain.variance_m2);
-  result.covariance_measured = plane_covariance(look.residuals, look.equations, look.split, result.bend) +
-                               result.covariance_cells + result.bend.noise_share * motion * motion.transpose();
-  describe_uncertainty(places, look.equations, look.split, prior, result);
-  return result;
-}
+constexpr double kMostRise_m = 1.0;      // vertically; lidar poses drift less in height
+constexpr double kDistinctVoxels = 5.0;  // optima nearer than this are one
+constexpr double kSameVoxels = 1.0;      // and nearer than this, judged once
 
 // A pose that a descent from one of the starts ended at.
 struct Optimum {
@@ -320,7 +87,7 @@ RegistrationResult align_point_to_plane(const NearestVoxelSearch& source, const 
                                         const RegistrationPrior& prior) {
   PlanePair pair{source, target};
   const Descent descent = descend(pair, start, options, prior.translation_m + options.search_distance_m);
-  return finish(pair, start, descent, options, prior);
+  return settled_result(pair, start, descent, options, prior);
 }
 
 RegistrationResult align_widely(const NearestVoxelSearch& source, const NearestVoxelSearch& target, const Pose3& start,
@@ -379,7 +146,7 @@ RegistrationResult align_widely(const NearestVoxelSearch& source, const NearestV
   close.search_distance_m = std::min(options.search_distance_m, kCloseSearchVoxels * edge_m);
   Descent descent = descend(pair, best->descent.T, close, kWideRefinement_m);
   if (descent.stop != StopReason::kConverged) descent = best->descent;
-  RegistrationResult result = finish(pair, start, descent, options, prior);
+  RegistrationResult result = settled_result(pair, start, descent, options, prior);
   result.searched = true;
   result.worth = best->worth;
   result.ambiguity = runner_up == nullptr ? 0.0 : std::clamp(runner_up->worth / std::max(best->worth, 1.0), 0.0, 1.0);
@@ -391,7 +158,7 @@ RegistrationResult align_near(const NearestVoxelSearch& source, const NearestVox
                               const Pose3& guess, const RegistrationOptions& options, const RegistrationPrior& prior) {
   PlanePair pair{source, target};
   const Descent descent = descend(pair, guess, options, kWideRefinement_m);
-  RegistrationResult result = finish(pair, start, descent, options, prior);
+  RegistrationResult result = settled_result(pair, start, descent, options, prior);
   result.searched = true;
   if (result.converged()) result.worth = judged(pair, descent, options).worth;
   return result;
