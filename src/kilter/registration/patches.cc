@@ -51,6 +51,15 @@ std::uint64_t patch_key_of(const PlaneResidual& r, const Eigen::Vector3d& centre
   return cell_key_of(r, centre_m, cell_m, facing_of(r.direction));
 }
 
+// The same residual seen from one of its plane's two sides, whichever of the two it was.
+PlaneResidual from_one_side(PlaneResidual r) {
+  constexpr int kNoFacing = 13;  // of the 27 neighbours the cell itself; opposite ones add up to twice as much
+  if (facing_of(r.direction) > kNoFacing) return r;
+  r.direction = -r.direction;
+  r.residual_m = -r.residual_m;
+  return r;
+}
+
 // Sums over residuals by key.
 class PatchSums {
  public:
@@ -124,12 +133,14 @@ std::vector<double> place_weights(std::span<const PlaneResidual> residuals, cons
 
 std::vector<Patch> planes_of(std::span<const PlaneResidual> residuals, const NormalEquations& equations, double shift) {
   std::map<int, Eigen::Vector3d> normals;
-  for (const PlaneResidual& r : residuals) {
+  for (const PlaneResidual& either : residuals) {
+    const PlaneResidual r = from_one_side(either);
     normals.try_emplace(facing_of(r.direction), Eigen::Vector3d::Zero()).first->second += r.weight * r.direction;
   }
   for (auto& [facing, normal] : normals) normal.normalize();
   PatchSums sums;
-  for (const PlaneResidual& r : residuals) {
+  for (const PlaneResidual& either : residuals) {
+    const PlaneResidual r = from_one_side(either);
     const int facing = facing_of(r.direction);
     const double along_m = normals.at(facing).dot(r.point_m - equations.centre_m);
     const auto layer = static_cast<int>(std::floor(along_m / kLayer_m + shift));

@@ -37,7 +37,8 @@ inline constexpr double kPlace_m = 0.3;
 [[nodiscard]] std::vector<double> place_weights(std::span<const PlaneResidual> residuals,
                                                 const Eigen::Vector3d& centre_m);
 
-/// Residuals by plane: by facing, and by layer of a metre along the mean normal of all that face so. `shift` is in
+/// Residuals by plane: by facing, forwards or backwards, since what is matched both ways is off by the same offset, and
+/// by layer of a metre along the mean normal of all that face so. `shift` is in
 /// layers, since a plane may lie where two of them meet.
 [[nodiscard]] std::vector<Patch> planes_of(std::span<const PlaneResidual> residuals, const NormalEquations& equations,
                                            double shift);

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "kilter/base/rng.h"
 
@@ -94,6 +95,26 @@ TEST(Patches, OfPlanesAreLayersOfWhatFacesAlike) {
   ASSERT_EQ(planes.size(), 2U);
   EXPECT_NEAR(planes[0].weight, 300.0, 1e-9);
   EXPECT_NEAR(planes[1].weight, 600.0, 1e-9);
+}
+
+// A wall that is matched from both sides is one wall, and off by one offset.
+TEST(Patches, OfAPlaneTakeBothDirectionsForOne) {
+  Rng rng(14, 0);
+  for (const Eigen::Vector3d& normal :
+       {Eigen::Vector3d(1, 0, 0), Eigen::Vector3d(0.6, -0.8, 0), Eigen::Vector3d(0, 0, -1)}) {
+    std::vector<PlaneResidual> residuals;
+    for (int i = 0; i < 400; ++i) {
+      const double sign = i % 2 == 0 ? 1.0 : -1.0;
+      Eigen::Vector3d at_m(rng.uniform(-3, 3), rng.uniform(-3, 3), rng.uniform(-3, 3));
+      at_m -= normal * normal.dot(at_m);
+      residuals.push_back({at_m, sign * normal, sign * 0.01, 1.0});
+    }
+    const std::vector<Patch> planes = planes_of(residuals, build_normal_equations(residuals), 0.5);
+    ASSERT_EQ(planes.size(), 1U);
+    EXPECT_NEAR(planes[0].weight, 400.0, 1e-9);
+    EXPECT_GT(planes[0].pull.norm(), 399.0);
+    EXPECT_NEAR(std::abs(planes[0].gradient.dot(planes[0].pull)), 0.01 * planes[0].pull.squaredNorm(), 1e-6);
+  }
 }
 
 }  // namespace

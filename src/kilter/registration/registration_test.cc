@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <tuple>
 #include <vector>
@@ -304,6 +305,24 @@ TEST(AlignSubmaps, FailuresSayWhy) {
       run(pair, pose_at(60.0, 0.0, 0.0, 0.0) * pair.T_target_source, RegistrationMethod::kPointToPlane);
   EXPECT_EQ(far.stop, StopReason::kTooFewMatches);
   EXPECT_EQ(run(pair, pose_at(60.0, 0.0, 0.0, 0.0), RegistrationMethod::kOicp).stop, StopReason::kTooFewMatches);
+}
+
+TEST(AlignSubmaps, NothingTurnsFartherFromTheMapsPoseThanIsAllowed) {
+  const SubmapPair pair = room_pair();
+  const NearestVoxelSearch source(pair.source.map, VoxelPosition::kCentroid, 1.0);
+  const NearestVoxelSearch target(pair.target.map, VoxelPosition::kCentroid, 1.0);
+  const Pose3 start = pose_at(0.0, 0.0, 0.0, 0.12) * pair.T_target_source;
+  RegistrationOptions options;
+  RegistrationPrior prior;
+  prior.translation_m = 0.5;
+  const auto stops = [&] {
+    return std::array{align_widely(source, target, start, options, prior).stop,
+                      align_near(source, target, start, pair.T_target_source, options, prior).stop};
+  };
+  options.max_rotation_rad = 0.13;
+  for (const StopReason stop : stops()) EXPECT_EQ(stop, StopReason::kConverged);
+  options.max_rotation_rad = 0.1;  // the right pose lies beyond
+  for (const StopReason stop : stops()) EXPECT_NE(stop, StopReason::kConverged);
 }
 
 TEST(AlignSubmaps, SwappingTheRolesInvertsTheResult) {

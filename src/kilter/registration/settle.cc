@@ -151,6 +151,11 @@ RegistrationResult settled_result(PlanePair& pair, const Pose3& start, Descent d
     result.stop = StopReason::kTooFewMatches;
     return result;
   }
+  // A descent knows only where it began itself, which may be a coarse pose or what a neighbour asked for.
+  if ((descent.T * start.inverse()).angle_rad() > options.max_rotation_rad) {
+    result.stop = StopReason::kOutOfRange;
+    return result;
+  }
   count_support(pair, start, descent.T, final_search_m(pair.grain, options), look.residuals, result);
   const std::vector<PlaneResidual> places = match_planes(pair, descent.T, options.search_distance_m, kBendPoints);
   result.bend = measure_bend(pair, descent.T, options.search_distance_m, places);

@@ -79,9 +79,10 @@ struct MapNull {
   double log10_gamma_spread = 0.0;  ///< 1.4826 times the median absolute deviation
   double log10_theta = 0.0;         ///< once registered
   double log10_theta_spread = 0.0;  ///< 1.4826 times the median absolute deviation
-  double conflict = 0.0;            ///< lower quartile, over all pairs, of the share that conflicts once registered
+  /// Lower quartile, over all pairs, of the share that conflicts once registered; 0.03 at most where they are few.
+  double conflict = 0.0;
   double conflict_spread = 0.0;
-  std::size_t pairs = 0;  ///< how many stand behind it
+  std::size_t pairs = 0;  ///< how many stand behind log10_gamma
 };
 
 [[nodiscard]] MapNull estimate_null(std::span<const PairEvidence> pairs);
@@ -110,7 +111,8 @@ struct MapNull {
 /// The paper's test with the thresholds that it leaves out (step F11): a pair is out of line if log10 Gamma lies three
 /// spreads below the map's median; verified inconsistent if Theta then is at least twice Gamma and registration moved
 /// it by more than a voxel, or a cell if that is larger; rejected (kUnverified) if Theta is not; consistent if it is in
-/// line. kUnverified whatever Gamma is if registration failed, so that there is no Theta. No p-value.
+/// line. kUnverified whatever Gamma is if registration failed, so that there is no Theta, and where fewer than three
+/// pairs say what is in line. No p-value.
 [[nodiscard]] PairVerdict judge_pair_by_gamma(const PairEvidence& pair, const MapNull& null);
 
 /// A pair as judge_map needs it.

@@ -45,6 +45,7 @@ void decide_inconsistent(std::vector<JudgedPair>& pairs, const JudgeOptions& opt
   const double threshold = discovery_threshold(p_values, options.alpha);
   for (JudgedPair& pair : pairs) {
     if (!pair.verdict.p_value || *pair.verdict.p_value > threshold) continue;
+    if (*pair.verdict.log_odds <= 0.0) continue;  // nothing is established that is likelier not so
     pair.verdict.verdict = Verdict::kInconsistent;
     pair.verdict.reason = why_inconsistent(pair.verdict, options);
   }

@@ -27,6 +27,13 @@ TEST(JudgeMap, OneBadPairMakesTheMapInconsistent) {
   EXPECT_LT(map.log_probability.global.at("a,b"), -20.0);
 }
 
+TEST(JudgeMap, EstablishesNothingThatIsLikelierNotSo) {
+  std::vector<JudgedPair> pairs = {pair_apart(0.40, 0.02)};
+  pairs[0].verdict.log_odds = -0.1;
+  EXPECT_EQ(judge_map(pairs, kRobots, {}).state, MapState::kUndetermined);
+  EXPECT_EQ(pairs[0].verdict.verdict, Verdict::kUnverified);
+}
+
 TEST(JudgeMap, RobotsThatNeverMeetLeaveItUndetermined) {
   std::vector<JudgedPair> pairs = {pair_apart(0.01, 0.01, PairKind::kSequential)};
   const MapVerdict map = judge_map(pairs, kRobots, {});

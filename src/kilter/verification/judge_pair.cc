@@ -8,6 +8,7 @@
 
 #include "kilter/numerics/special.h"
 #include "kilter/verification/judge.h"
+#include "kilter/verification/judge_notes.h"
 #include "kilter/verification/offset.h"
 #include "kilter/verification/witnesses.h"
 
@@ -18,11 +19,7 @@ namespace {
 constexpr double kConsistentTail = 0.05;
 // Conflict this many spreads above the map's own good pairs, and never below these shares, is out of line.
 constexpr double kConflictSpreads = 4.0;
-constexpr double kOnePercent = 2.5758;  // standard deviations that chance exceeds once in a hundred, either side
 constexpr double kConflictSlack = 0.03;
-// Theta this many spreads below the map's own, and at least this many decades, is out of line.
-constexpr double kThetaSpreads = 3.0;
-constexpr double kThetaSlack = 0.3;
 // A registration that is not believed is the wrong one this often, where it ended within the tolerance. It then says
 // nothing of the disagreement, so likelihood ratios are bounded by the inverse of this.
 constexpr double kWrongWhenDoubted = 0.25;
@@ -47,27 +44,6 @@ double theta_limit(const MapNull& null) {
 // A move beyond the tolerance may then be that of other surfaces.
 bool surfaces_may_differ(const PairEvidence& pair, const MapNull& null) {
   return may_show_different_places(pair, null) || free_space_is_silent(pair, null);
-}
-
-void note_measurements(const PairEvidence& pair, const MapNull& null, PairVerdict& verdict) {
-  if (pair.map.score && pair.map.score->log10_gamma) {
-    verdict.evidence["log10_gamma"] = {pair.map.score->log10_gamma, null.log10_gamma, std::nullopt};
-  }
-  if (pair.gap) {
-    verdict.gap_m = pair.gap->gap_m;
-    verdict.evidence["gap_m"] = {pair.gap->gap_m, kOnePercent * pair.gap->sigma_m, std::nullopt};
-  }
-  if (pair.map.matched > 0) verdict.evidence["mean_distance_m"].value = pair.map.mean_distance_m;
-  if (pair.common) verdict.evidence["same_side"].value = pair.common->overlap;
-  if (pair.map.conflict.known() > 0) {
-    verdict.evidence["conflict"] = {pair.map.conflict.share(), null.conflict, std::nullopt};
-  }
-  if (pair.registered) {
-    verdict.evidence["mean_distance_m"].null = pair.registered->mean_distance_m;
-    if (pair.registered->conflict.known() > 0) {
-      verdict.evidence["conflict_registered"] = {pair.registered->conflict.share(), null.conflict, std::nullopt};
-    }
-  }
 }
 
 void note_support(const RegistrationResult& registration, const Agreement& agreement, PairVerdict& verdict) {
@@ -95,18 +71,21 @@ void disbelieve(const PairEvidence& pair, const MapNull& null, bool vouched, con
   set_posterior(*log_ratio, options, verdict);
 }
 
+constexpr double kLeastShare = 0.05;  // of its mean keeps a law one where noise or cells explain all of it
+
 // What cells hide makes a measured offset larger than the true one, by as much in its square as it may be larger yet:
 // what they alone would show says nothing against the map.
 OffsetEstimate::SquareLaw less_cells(const OffsetEstimate::SquareLaw& law, const OffsetEstimate& offset) {
-  constexpr double kLeastShare = 0.05;  // keeps the law a law where cells explain all of it
   if (offset.cells_sigma_m == 0.0) return law;
   const double cells_m2 = offset.cells_sigma_m * offset.cells_sigma_m;
   return {std::max(law.mean_m2 - 2.0 * cells_m2, kLeastShare * law.mean_m2), law.variance_m4};
 }
 
-double less_cells_m(double apart_m, const OffsetEstimate& offset) {
-  if (offset.cells_sigma_m == 0.0) return apart_m;
-  return std::sqrt(std::max(apart_m * apart_m - offset.cells_sigma_m * offset.cells_sigma_m, 0.0));
+// Noise makes a measured offset larger than the true one, by as much in its square as the law adds to it once more: the
+// law of what is known to be there at least.
+OffsetEstimate::SquareLaw less_noise(const OffsetEstimate& offset) {
+  const OffsetEstimate::SquareLaw& law = offset.measured;
+  return {std::max(law.mean_m2 - 2.0 * offset.bias_m2(), kLeastShare * law.mean_m2), law.variance_m4};
 }
 
 // Of two ratios the one that says less; nothing where they contradict each other.
@@ -115,13 +94,18 @@ double weaker(double a, double b) {
   return std::abs(a) < std::abs(b) ? a : b;
 }
 
-void note_offset(const OffsetEstimate& offset, const Bend& bend, const JudgeOptions& options, PairVerdict& verdict) {
+// What is reported whatever the verdict.
+void note_offset(const OffsetEstimate& offset, PairVerdict& verdict) {
   verdict.offset_m = offset.offset_m;
   verdict.offset_rad = offset.offset_rad;
   verdict.offset_vector_m = offset.vector_m;
-  verdict.offset_interval_m = {std::min(offset_quantile_m(less_cells(offset.measured, offset), 0.975), offset.offset_m),
+  verdict.offset_interval_m = {std::min(offset_quantile_m(less_noise(offset), 0.975), offset.offset_m),
                                std::max(offset_quantile_m(offset.measured, 0.025), offset.offset_m)};
   verdict.minimum_detectable_m = offset.minimum_detectable_m;
+}
+
+void note_disagreement(const OffsetEstimate& offset, const Bend& bend, const JudgeOptions& options,
+                       PairVerdict& verdict) {
   const auto log_ratio_of = [&](const OffsetEstimate::SquareLaw& measured,
                                 const OffsetEstimate::SquareLaw& with_prior) {
     const auto ratio_of = [&](const OffsetEstimate::SquareLaw& seen, const OffsetEstimate::SquareLaw& all) {
@@ -140,13 +124,14 @@ void note_offset(const OffsetEstimate& offset, const Bend& bend, const JudgeOpti
   verdict.evidence["disagreement"] = {apart_m, options.tolerance_m, log_ratio};
   verdict.disagreement_m = apart_m;
   verdict.disagreement_most_m =
-      std::max({offset_quantile_m(measured, 0.025), offset_quantile_m(with_prior, 0.025), apart_m});
+      std::max({offset_quantile_m(measured, kConsistentTail), offset_quantile_m(with_prior, kConsistentTail), apart_m});
   set_posterior(log_ratio, options, verdict);
   // Standard deviation of the root of a sum of squares.
   const double along_m4 = std::pow(offset.offset_m * offset.sigma_m, 2) + 0.25 * bend.variance_m4 +
                           std::pow(kPlacesScatter * apart_m * apart_m, 2);
   const double sigma_m = apart_m > 0.0 ? std::sqrt(along_m4) / apart_m : offset.sigma_m;
-  verdict.p_value = std::exp(log_normal_tail((less_cells_m(apart_m, offset) - options.tolerance_m) / sigma_m));
+  const double beyond_noise_m = std::sqrt(std::max(apart_m * apart_m - offset.bias_m2(), 0.0));
+  verdict.p_value = std::exp(log_normal_tail((beyond_noise_m - options.tolerance_m) / sigma_m));
 }
 
 std::string_view bent_one(const Bend& bend) {
@@ -220,13 +205,6 @@ std::string doubt(const PairEvidence& pair, const MapNull& null, bool conflict_c
   return {};
 }
 
-// What is said of a pair that no registration brought together; empty where one did.
-std::string registration_failure(const PairEvidence& pair) {
-  if (!pair.registration) return "registration failed: not tried";
-  if (pair.registration->converged() && pair.registered) return {};
-  return fmt::format("registration failed: {}", to_string(pair.registration->stop));
-}
-
 // Whether those around it ask for the move beyond the tolerance that its registration found, and do not contradict it.
 bool move_is_vouched_for(const PairEvidence& pair, const JudgeOptions& options) {
   return pair.registered && is_vouched_for(pair) && !contradicted(pair) &&
@@ -249,14 +227,16 @@ PairVerdict judge_displacement(const PairEvidence& pair, const MapNull& null, co
   PairVerdict verdict;
   note_measurements(pair, null, verdict);
   verdict.reason = nothing_to_compare(pair, null, options);
-  if (!verdict.reason.empty()) {
-    if (!pair.registered) let_movers_speak(pair, options, verdict);
+  if (!pair.registered) {
+    let_movers_speak(pair, options, verdict);
     return verdict;
   }
   verdict.unobservable = pair.registration->unobservable;
   const OffsetEstimate offset = estimate_offset(*pair.registration, pair.T_target_source);
+  note_offset(offset, verdict);
+  if (!verdict.reason.empty()) return verdict;
   const Bend& bend = pair.registration->bend;
-  note_offset(offset, bend, options, verdict);
+  note_disagreement(offset, bend, options, verdict);
   note_support(*pair.registration, pair.agreement, verdict);
   const std::string measured =
       fmt::format("offset {} ({} to {})", in_cm(offset.offset_m), in_cm((*verdict.offset_interval_m)[0]),
@@ -353,45 +333,6 @@ PairVerdict judge_pair(const PairEvidence& pair, const MapNull& null, const Judg
   if (verdict.verdict == Verdict::kUnverified && may_show_different_places(pair, null) && pair.common->any) {
     verdict.reason += fmt::format("; only {:.0f} % show a side that both saw: the map's verdict does not wait for it",
                                   100.0 * pair.common->overlap);
-  }
-  return verdict;
-}
-
-PairVerdict judge_pair_by_gamma(const PairEvidence& pair, const MapNull& null) {
-  PairVerdict verdict;
-  note_measurements(pair, null, verdict);
-  if (!pair.overlaps || !pair.map.score) {
-    verdict.reason = pair.gate;
-    return verdict;
-  }
-  const std::optional<double> gamma = pair.map.score->log10_gamma;
-  const double limit = null.log10_gamma - kThetaSpreads * null.log10_gamma_spread;
-  const std::string test = gamma ? fmt::format("log10 Gamma {:.2f} is {} this map (from {:.2f})", *gamma,
-                                               *gamma >= limit ? "in line with" : "low for", limit)
-                                 : std::string("Gamma is infinite: all distances are equal or zero");
-  if (const std::string failure = registration_failure(pair); !failure.empty()) {
-    verdict.reason = fmt::format("{}; {}", failure, test);
-    return verdict;
-  }
-  verdict.unobservable = pair.registration->unobservable;
-  if (!pair.registered->score) {
-    verdict.reason = fmt::format("registration failed: it ended where too few voxels match; {}", test);
-    return verdict;
-  }
-  const OffsetEstimate offset = estimate_offset(*pair.registration, pair.T_target_source);
-  verdict.offset_m = offset.offset_m;
-  verdict.offset_rad = offset.offset_rad;
-  verdict.offset_vector_m = offset.vector_m;
-  const std::optional<double> theta = pair.registered->score->log10_gamma;
-  const std::string reached = theta ? fmt::format("{:.2f}", *theta) : std::string("infinity");
-  if (!gamma || *gamma >= limit) {
-    verdict.verdict = Verdict::kConsistent;
-    verdict.reason = test;
-  } else if (theta && *theta - *gamma >= kThetaSlack && offset.offset_m > pair.grain.edge_m) {
-    verdict.verdict = Verdict::kInconsistent;
-    verdict.reason = fmt::format("{}, registered {}: verified", test, reached);
-  } else {
-    verdict.reason = fmt::format("{}, but registration does not verify it: it reaches {}", test, reached);
   }
   return verdict;
 }

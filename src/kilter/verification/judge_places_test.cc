@@ -21,7 +21,9 @@ TEST(JudgePlaces, WhereNoSideIsSeenByBothAndNothingConflictsNothingIsCompared) {
   EXPECT_EQ(verdict.verdict, Verdict::kUnverified);
   EXPECT_EQ(verdict.reason.find("too little overlap"), 0U) << verdict.reason;
   EXPECT_FALSE(verdict.p_value);
-  EXPECT_FALSE(verdict.offset_m);
+  EXPECT_NEAR(*verdict.offset_m, 0.25, 1e-9);  // measured, and reported whatever the verdict
+  EXPECT_TRUE(verdict.offset_interval_m);
+  EXPECT_TRUE(verdict.minimum_detectable_m);
   EXPECT_TRUE(may_show_different_places(pair, kNull));
   pair.map.conflict = {{1000, 300}, {1000, 300}};  // a wall that is there twice stands in free space
   pair.registered->conflict = {{1000, 20}, {1000, 20}};

@@ -17,7 +17,7 @@ namespace kilter {
 struct OffsetEstimate {
   double offset_m = 0.0;
   double offset_rad = 0.0;
-  Eigen::Vector3d vector_m = Eigen::Vector3d::Zero();  ///< displacement at the centre, target axes
+  Eigen::Vector3d vector_m = Eigen::Vector3d::Zero();  ///< displacement at the middle of the places, target axes
   /// Mean and variance of x^T M x for x around the estimate: with what was measured, and with the prior's uncertainty
   /// along unobservable directions on top. [m^2], [m^4]
   struct SquareLaw {
@@ -26,6 +26,8 @@ struct OffsetEstimate {
   };
   SquareLaw measured;
   SquareLaw with_prior;
+  /// By so much uncertainty alone makes offset_m^2 larger than the true one, on average. [m^2]
+  [[nodiscard]] double bias_m2() const { return measured.mean_m2 - offset_m * offset_m; }
   double sigma_m = 0.0;  ///< standard deviation of the offset along the estimate (largest one at zero). [m]
   double minimum_detectable_m = 0.0;  ///< 95 % sure to be told from zero at 5 %, in the worst observable direction
   double cells_sigma_m = 0.0;         ///< the part of its uncertainty that comes from cells, RMS. [m]

@@ -41,6 +41,7 @@ TEST(EstimateOffset, PlacesBesideTheCentreMoveWithTheTurn) {
   result.places_arm_m = {10.0, 0.0, 0.0};
   result.scatter_m2 = Eigen::Vector3d(100.0, 0.0, 0.0).asDiagonal();  // all of them 10 m ahead
   EXPECT_NEAR(estimate_offset(result, {}).offset_m, 0.1 + 0.02 * 10.0, 1e-3);
+  EXPECT_NEAR(estimate_offset(result, {}).vector_m.y(), 0.1 + 0.02 * 10.0, 1e-3);  // there, and not at the centre
   result.places_arm_m = {-10.0, 0.0, 0.0};
   EXPECT_NEAR(estimate_offset(result, {}).offset_m, 0.1, 1e-3);
 }
