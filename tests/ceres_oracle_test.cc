@@ -145,7 +145,9 @@ std::vector<Pose3> optimise(const std::string& text, G2oDialect reader) {
   for (Numbers& pose : graph.poses) problem.AddParameterBlock(pose.data(), 7, new Manifold());
   problem.SetParameterBlockConstant(graph.poses.front().data());
   for (const Edge& edge : graph.edges) {
-    const Matrix6 root = edge.information.llt().matrixU();
+    // Ceres' example takes the lower factor (ceres-solver/ceres-solver#449).
+    const Eigen::LLT<Matrix6> factors(edge.information);
+    const Matrix6 root = reader == G2oDialect::kCeres ? Matrix6(factors.matrixL()) : Matrix6(factors.matrixU());
     problem.AddResidualBlock(new ceres::AutoDiffCostFunction<EdgeCost, 6, 7, 7>(new EdgeCost{reader, edge, root}),
                              nullptr, graph.poses[static_cast<std::size_t>(edge.target)].data(),
                              graph.poses[static_cast<std::size_t>(edge.source)].data());

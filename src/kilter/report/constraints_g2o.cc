@@ -23,6 +23,15 @@ std::string pose_text(const Pose3& pose) {
   return text;
 }
 
+// The example multiplies errors by the factor L of L L^T = what it reads, and so weighs them with L^T L. What has to
+// stand in the file for that to be the information: its factor is the transposed one of U U^T = information.
+Matrix6 weighed_by_lower_root(const Matrix6& information) {
+  const Matrix6 reversed = information.reverse();
+  const Matrix6 factor = reversed.llt().matrixL();
+  const Matrix6 U = factor.reverse();
+  return U.transpose() * U;
+}
+
 std::string edge_text(const Result& result, const PairResult& pair, G2oDialect dialect) {
   const std::string names = fmt::format("{} <- {}", printable(result.submap(pair.id.target).name),
                                         printable(result.submap(pair.id.source).name));
@@ -56,9 +65,10 @@ std::optional<Matrix6> information_for(G2oDialect dialect, const Matrix6& covari
   const Matrix6 sigma = J * (0.5 * (covariance + covariance.transpose())) * J.transpose();
   const Vector6 values = Eigen::SelfAdjointEigenSolver<Matrix6>(sigma, Eigen::EigenvaluesOnly).eigenvalues();
   if (!(values[0] > 0.0) || values[0] < kMinConditionInverse * values[5]) return std::nullopt;
-  const Matrix6 information = sigma.ldlt().solve(Matrix6::Identity());
-  if (!information.allFinite()) return std::nullopt;
-  return 0.5 * (information + information.transpose());
+  const Matrix6 inverse = sigma.ldlt().solve(Matrix6::Identity());
+  const Matrix6 information = 0.5 * (inverse + inverse.transpose());
+  const Matrix6 written = dialect == G2oDialect::kCeres ? weighed_by_lower_root(information) : information;
+  return written.allFinite() ? std::optional(written) : std::nullopt;
 }
 
 std::string submaps_g2o(const std::vector<SubmapSummary>& submaps) {
@@ -83,7 +93,9 @@ std::string constraints_g2o(const Result& result, G2oDialect dialect) {
       text += "# information as GTSAM reads it: (x y z rx ry rz) in the source's frame, rotation vectors\n";
       break;
     case G2oDialect::kCeres:
-      text += "# information as Ceres' pose_graph_3d reads it: (x y z -rx -ry -rz) along the target's axes\n";
+      text +=
+          "# information as Ceres' pose_graph_3d reads it: (x y z -rx -ry -rz) along the target's axes, which it "
+          "multiplies by llt().matrixL()\n";
       break;
   }
   text += submaps_g2o(result.submaps);

@@ -16,7 +16,8 @@ enum class G2oDialect {
   kG2o,    ///< g2o itself: (x y z qx qy qz) of measured^-1 * estimated, the vector part of a quaternion: half the angle
   kGtsam,  ///< GTSAM's readG2o: the rotation vector, whole angle, in the source's frame; it reorders the blocks itself
   kCeres,  ///< Ceres' pose_graph_3d: estimated less measured position, twice the vector of measured * estimated^-1,
-           ///< both along the target's axes
+           ///< both along the target's axes; multiplied by the lower Cholesky factor L of what it reads, which weighs
+           ///< by L^T L and not by L L^T: in the file stands what makes that the information
 };
 
 /// The information matrix that goes into the file for a covariance of T_target_source * Exp(xi), xi = (x y z rx ry rz).
