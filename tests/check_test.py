@@ -216,6 +216,12 @@ class Output(CheckCase):
         self.assertEqual(*([[submap[key] for key in keys] for submap in result["submaps"]] for result in (before, after)))
         self.assertEqual(after["run"]["cuts"], str(self.out))
         self.assertGreater(len(after["submaps"]), 6)
+        self.assertEqual(after["config"]["submap_distance"], 6)
+        self.assertEqual(after["config_digest"], before["config_digest"])
+        run = run_kilter("check", self.tiny.mission, "--poses", self.tiny.truth, "--cuts", self.out, "-o", again,
+                         *self.settings, "--set", "submap_distance=3")
+        self.assertIn(f"note: submaps are cut as {self.out} has them: submap_distance has no effect\n", run.stderr)
+        self.assertEqual(read_result(again)["config_digest"], before["config_digest"])
 
     def test_cuts_of_other_robots_are_refused_and_of_some_are_told(self):
         self.check()

@@ -171,6 +171,7 @@ class RegisterTest(unittest.TestCase):
         self.assertFalse(said["converged"])
         self.assertIsNone(said["T_target_source"])
         self.assertIsNone(said["covariance"])
+        self.assertIsNone(said["unobservable"])
         aligned = self.root / "aligned.ply"
         done = run_kilter("register", self.root / "target.bin", self.root / "far.bin", "-o", aligned)
         self.assertEqual(done.status, 0, done.stderr)

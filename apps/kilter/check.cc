@@ -92,6 +92,9 @@ Expected<Job> open_job(const CheckCommand& command) {
   Expected<Cuts> cuts = place_submaps(job.mission, command.cuts, command.submap_poses, command.poses_folder);
   if (!cuts) return pass_up(cuts.error());
   job.cuts = *std::move(cuts);
+  if (!job.cuts.empty()) {
+    if (const auto note = take_keys_of_cuts(*command.cuts, job.settings.check)) job.mission.notes.push_back(*note);
+  }
   return job;
 }
 

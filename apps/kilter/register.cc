@@ -60,9 +60,15 @@ std::string as_json(const PairEvidence& pair) {
   const bool saw_free_space = pair.registered && pair.registered->conflict.known() > 0;
   json.field("conflict", saw_free_space ? std::optional(pair.registered->conflict.share()) : std::nullopt);
   json.field("bend_m", if_converged(r.bend.rms_m)).field("ambiguity", r.ambiguity);
-  json.key("unobservable").open_list();
-  for (const Vector6& twist : r.unobservable) json.value(std::span<const double>(twist.data(), 6));
-  json.close().key("covariance");
+  json.key("unobservable");
+  if (r.converged()) {
+    json.open_list();
+    for (const Vector6& twist : r.unobservable) json.value(std::span<const double>(twist.data(), 6));
+    json.close();
+  } else {
+    json.null();  // an empty list would say that everything is fixed
+  }
+  json.key("covariance");
   if (r.converged()) {
     const Eigen::Matrix<double, 6, 6, Eigen::RowMajor> rows = r.covariance;
     json.value(std::span<const double>(rows.data(), 36));

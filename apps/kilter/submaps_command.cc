@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: The kilter authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <cmath>
 #include <memory>
 #include <optional>
 #include <string>
@@ -103,6 +104,9 @@ Done<Job> open_job(const SubmapsCommand& command) {
   Expected<Cuts> cuts = place_submaps(job.mission, command.cuts, command.submap_poses, command.poses_folder);
   if (!cuts) return failed(cuts.error());
   job.cuts = *std::move(cuts);
+  if (!job.cuts.empty()) {
+    if (const auto note = take_keys_of_cuts(*command.cuts, job.settings.check)) job.mission.notes.push_back(*note);
+  }
   if (auto fit = probe_output_folder(command.output_folder, {kPoseGraph}); !fit) return failed(fit.error(), true);
   std::vector<std::filesystem::path> names = {kPoseGraph};
   for (const RobotLog& robot : job.mission.robots) {
@@ -138,11 +142,11 @@ Expected<std::vector<Submap>> build(const Job& job, std::size_t number, const Su
   std::size_t held = 0;
   for (const Submap& submap : *submaps) held += submap.map.bytes();
   if (job.memory_bytes == 0 || held <= job.memory_bytes) return submaps;
-  return fail(
-      ErrorCode::kOutOfMemory,
-      fmt::format("the submaps of {} need {:.3g} MB, more than --memory allows ({:.3g} MB)", printable(robot.name),
-                  static_cast<double>(held) / 1e6, static_cast<double>(job.memory_bytes) / 1e6),
-      {}, "raise --memory, or use a coarser resolution or a smaller max_range");
+  return fail(ErrorCode::kOutOfMemory,
+              fmt::format("the submaps of {} need {:.2f} MB, more than --memory allows ({:.2f} MB)",
+                          printable(robot.name), std::ceil(static_cast<double>(held) / 1e4) / 100.0,
+                          std::floor(static_cast<double>(job.memory_bytes) / 1e4) / 100.0),
+              {}, "raise --memory, or use a coarser resolution or a smaller max_range");
 }
 
 // When each submap began, where the source tells.

@@ -4,11 +4,14 @@
 
 #include <algorithm>
 #include <array>
+#include <map>
+#include <span>
 #include <string_view>
 #include <vector>
 
 #include <fmt/format.h>
 
+#include "kilter/io/cuts.h"
 #include "kilter/io/file.h"
 
 namespace kilter::app {
@@ -17,12 +20,15 @@ namespace {
 constexpr std::array<std::string_view, 5> kKeysOfScans = {"min_range", "max_range", "submap_distance",
                                                           "submap_rotation", "min_scans"};
 
-std::vector<std::string> changed_keys_of_scans(CheckOptions options) {
+constexpr std::array<std::string_view, 3> kKeysOfCuts = {"submap_distance", "submap_rotation", "min_scans"};
+
+// Those of the keys that have another value than usual.
+std::vector<std::string> changed_keys(CheckOptions options, std::span<const std::string_view> keys) {
   CheckOptions usual;
   const std::vector<OptionField> usual_fields = fields(usual);
   std::vector<std::string> changed;
   for (const OptionField& option : fields(options)) {
-    if (std::find(kKeysOfScans.begin(), kKeysOfScans.end(), option.name) == kKeysOfScans.end()) continue;
+    if (std::find(keys.begin(), keys.end(), option.name) == keys.end()) continue;
     const auto same_key = [&](const OptionField& other) { return other.name == option.name; };
     if (std::find_if(usual_fields.begin(), usual_fields.end(), same_key)->text() != option.text()) {
       changed.push_back(option.name);
@@ -38,10 +44,26 @@ std::optional<std::string> note_on_unused_keys(const Mission& mission, const Che
   for (const RobotLog& robot : mission.robots) {
     if (robot.finished_submaps) finished.push_back(robot.name);
   }
-  const std::vector<std::string> keys = changed_keys_of_scans(options);
+  const std::vector<std::string> keys = changed_keys(options, kKeysOfScans);
   if (finished.empty() || keys.empty()) return std::nullopt;
   return fmt::format("finished submaps are taken as they are: {} {} no effect on those of {}", some_of(keys),
                      keys.size() == 1 ? "has" : "have", some_of(finished));
+}
+
+std::optional<std::string> take_keys_of_cuts(const std::string& cuts_result, CheckOptions& options) {
+  const std::vector<std::string> set = changed_keys(options, kKeysOfCuts);
+  const std::map<std::string, double> there = config_numbers_of_result(cuts_result, kKeysOfCuts);
+  std::vector<std::string> without_effect;
+  for (const OptionField& option : fields(options)) {
+    const auto value = there.find(option.name);
+    if (value == there.end()) continue;
+    const std::string before = option.text();
+    if (!option.assign_number(value->second) || option.text() == before) continue;
+    if (std::find(set.begin(), set.end(), option.name) != set.end()) without_effect.push_back(option.name);
+  }
+  if (without_effect.empty()) return std::nullopt;
+  return fmt::format("submaps are cut as {} has them: {} {} no effect", printable(cuts_result), some_of(without_effect),
+                     without_effect.size() == 1 ? "has" : "have");
 }
 
 }  // namespace kilter::app

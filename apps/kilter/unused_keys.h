@@ -14,4 +14,8 @@ namespace kilter::app {
 /// finished submaps, which nothing cuts and whose points have no range.
 [[nodiscard]] std::optional<std::string> note_on_unused_keys(const Mission& mission, const CheckOptions& options);
 
+/// Takes over the keys by which a result cut its submaps, so that what is cut anew is cut alike, and the configuration
+/// says what submaps were cut by. \return a note where they had been set to something else.
+[[nodiscard]] std::optional<std::string> take_keys_of_cuts(const std::string& cuts_result, CheckOptions& options);
+
 }  // namespace kilter::app

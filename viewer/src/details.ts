@@ -67,7 +67,7 @@ function speaks(ratio: number): string {
 
 function verdictOf(name: string, piece: Evidence): string {
   if (piece.log_ratio !== null) return speaks(piece.log_ratio);
-  if (name === "ambiguity" && piece.value !== null) return piece.value > 0.8 ? "another place fits nearly as well" : "no other place fits as well";
+  if (name === "ambiguity" && piece.value !== null) return piece.value > 0.7 ? "another place fits nearly as well" : "no other place fits as well";
   if (name === "bend_m" && piece.value !== null) return "how far a submap itself is bent";
   if (piece.value === null || piece.null === null) return "nothing to compare with";
   if (name === "agreeing") return piece.null > piece.value ? "its neighbours contradict it" : "its neighbours agree";

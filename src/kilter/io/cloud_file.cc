@@ -53,6 +53,7 @@ Expected<Promise> promise_of_pcd(std::string_view head, const std::string& where
     case PcdData::kBinaryCompressed:
       break;
   }
+  if (header->points == 0) return Promise{0, begin};
   constexpr std::uint64_t kSizes = 8;  // packed, then unpacked
   const std::optional<std::string_view> sizes = cursor.take(kSizes);
   const std::uint64_t packed_bytes = sizes ? load<std::uint32_t>(sizes->data(), std::endian::little) : 0;

@@ -57,6 +57,10 @@ TEST(PeekCloudFile, SeesThatBinaryFilesAreCutShort) {
   put_all<std::uint32_t>(sizes, std::endian::little, 20, 24);
   const std::string packed = PcdBytes{.data = "binary_compressed", .body = sizes + std::string(20, 'x')}.str();
   EXPECT_FALSE(peek_cloud_file(folder.write("packed.pcd", packed))->is_cut_short);
+  const std::string none =
+      "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nWIDTH 0\nHEIGHT 1\nPOINTS 0\nDATA binary_compressed\n";
+  ASSERT_TRUE(read_cloud_file(folder.write("none.pcd", none)));
+  EXPECT_FALSE(peek_cloud_file(folder.path() / "none.pcd")->is_cut_short);
   EXPECT_TRUE(peek_cloud_file(folder.write("packed.pcd", packed.substr(0, packed.size() - 1)))->is_cut_short);
   EXPECT_TRUE(peek_cloud_file(folder.write("packed.pcd", packed.substr(0, packed.size() - 24)))->is_cut_short);
 }

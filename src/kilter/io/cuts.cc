@@ -34,7 +34,7 @@ Expected<json> parse_root(std::string_view text, const std::string& where) {
       return false;
     }
     const bool root_key = depth == 1 && event == json::parse_event_t::key;
-    return !root_key || value == "schema" || value == "submaps" || value == "run";
+    return !root_key || value == "schema" || value == "submaps" || value == "run" || value == "config";
   };
   try {
     json root = json::parse(text.begin(), text.end(), keep);
@@ -102,6 +102,14 @@ Expected<void> add_submap(const json& submap, const std::string& where, Cuts& cu
   return append_range(cuts[robot->get<std::string>()], {*first, *last}, where);
 }
 
+Expected<json> root_of_result(const std::filesystem::path& result) {
+  const auto file = find_result_file(result, "result.json", kTakes);
+  if (!file) return pass_up(file.error());
+  const auto bytes = read_file(*file);
+  if (!bytes) return pass_up(bytes.error());
+  return parse_root(bytes->view(), shown(*file));
+}
+
 }  // namespace
 
 Expected<Cuts> parse_cuts(std::string_view json_text, const std::string& where) {
@@ -122,12 +130,20 @@ Expected<Cuts> parse_cuts(std::string_view json_text, const std::string& where) 
   return cuts;
 }
 
+std::map<std::string, double> config_numbers_of_result(const std::filesystem::path& result,
+                                                       std::span<const std::string_view> keys) {
+  std::map<std::string, double> numbers;
+  const Expected<json> root = root_of_result(result);
+  const json* config = root ? find(*root, "config") : nullptr;
+  for (const std::string_view key : keys) {
+    const json* value = config != nullptr ? find(*config, std::string(key).c_str()) : nullptr;
+    if (value != nullptr && value->is_number()) numbers.emplace(key, value->get<double>());
+  }
+  return numbers;
+}
+
 std::optional<std::string> poses_of_result(const std::filesystem::path& result) {
-  const auto file = find_result_file(result, "result.json", kTakes);
-  if (!file) return std::nullopt;
-  const auto bytes = read_file(*file);
-  if (!bytes) return std::nullopt;
-  const Expected<json> root = parse_root(bytes->view(), {});
+  const Expected<json> root = root_of_result(result);
   const json* run = root ? find(*root, "run") : nullptr;
   const json* poses = run != nullptr ? find(*run, "poses") : nullptr;
   if (poses == nullptr || !poses->is_string()) return std::nullopt;

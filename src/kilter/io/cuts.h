@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -27,6 +28,11 @@ using Cuts = std::map<std::string, std::vector<ScanRange>>;
 
 /// The same of a file, or of the result.json in an output folder. \return also what read_file fails with.
 [[nodiscard]] Expected<Cuts> read_cuts(const std::filesystem::path& result);
+
+/// Numbers of such a result's configuration, in SI units: those of the keys that it holds; none where it cannot be
+/// read.
+[[nodiscard]] std::map<std::string, double> config_numbers_of_result(const std::filesystem::path& result,
+                                                                     std::span<const std::string_view> keys);
 
 /// The folder whose poses (`--poses`) such a result's map was drawn with; absent where it had the mission's own, or
 /// where it cannot be read.

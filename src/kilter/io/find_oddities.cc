@@ -109,7 +109,9 @@ class Finder {
     const auto [least, most] = std::minmax_element(intervals_s.begin(), intervals_s.end());
     if (*least < 0.0) {
       const auto at = static_cast<std::size_t>(least - intervals_s.begin());
-      say("time-jump", fmt::format("{:.1f} s back between clouds {} and {}", -*least, at, at + 1));
+      const auto others = std::count_if(intervals_s.begin(), intervals_s.end(), [](double s) { return s < 0.0; }) - 1;
+      say("time-jump", fmt::format("{:.1f} s back between clouds {} and {}{}", -*least, at, at + 1,
+                                   others > 0 ? fmt::format(", and {} times more", others) : ""));
     } else if (*most > std::max(kPause_s, kPauseOfMedian * median_of(intervals_s))) {
       const auto at = static_cast<std::size_t>(most - intervals_s.begin());
       say("time-jump", fmt::format("{:.0f} s between clouds {} and {}, usually {:.2f} s", *most, at, at + 1,

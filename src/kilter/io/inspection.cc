@@ -95,8 +95,9 @@ Expected<RobotInspection> look_at(const RobotLog& robot, std::size_t submaps, do
   seen.path_length_m = path_lengths_m(robot.T_world_cloud).back();
   for (const Pose3& pose : robot.T_world_cloud) seen.extent_world_m.extend(pose.translation_m());
   if (!robot.stamps_ns.empty()) {
-    seen.first_ns = robot.stamps_ns.front();
-    seen.last_ns = robot.stamps_ns.back();
+    const auto [least, most] = std::minmax_element(robot.stamps_ns.begin(), robot.stamps_ns.end());
+    seen.first_ns = *least;  // they need not be in order
+    seen.last_ns = *most;
     seen.stamp_unit = robot.stamp_unit;
   }
   seen.likely_submaps = submaps;

@@ -35,8 +35,8 @@ struct RobotInspection {
   bool points_are_voxels = false;    ///< of octrees
   double path_length_m = 0.0;
   Eigen::AlignedBox3d extent_world_m;    ///< of the poses
-  std::optional<std::int64_t> first_ns;  ///< stamp of the first cloud, where there are stamps
-  std::optional<std::int64_t> last_ns;   ///< and of the last
+  std::optional<std::int64_t> first_ns;  ///< earliest stamp, where there are stamps
+  std::optional<std::int64_t> last_ns;   ///< and the latest
   std::string stamp_unit;                ///< in which they were written, known or guessed: "s"; else empty
   std::size_t likely_submaps = 0;        ///< as `check` would cut them
   std::size_t first_points = 0;          ///< of the first cloud, once read

@@ -191,7 +191,13 @@ TEST(FindOddities, SeesTimeThatJumps) {
   EXPECT_EQ(codes(inspected({log})), Codes{});
   RobotLog back = log;
   std::swap(back.stamps_ns[3], back.stamps_ns[4]);
-  EXPECT_EQ(codes(inspected({std::move(back)})), Codes{"time-jump"});
+  EXPECT_EQ(codes(inspected({back})), Codes{"time-jump"});
+  std::swap(back.stamps_ns[0], back.stamps_ns[9]);
+  const Inspection unordered = inspected({std::move(back)});
+  ASSERT_EQ(codes(unordered), Codes{"time-jump"});
+  EXPECT_EQ(unordered.oddities[0].found, "0.8 s back between clouds 0 and 1, and 2 times more");
+  EXPECT_EQ(*unordered.robots[0].first_ns, 0);
+  EXPECT_EQ(*unordered.robots[0].last_ns, 900'000'000);
   log.stamps_ns.back() += 3'600'000'000'000;
   EXPECT_EQ(codes(inspected({std::move(log)})), Codes{"time-jump"});
 }

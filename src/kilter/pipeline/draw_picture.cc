@@ -13,8 +13,6 @@
 namespace kilter {
 namespace {
 
-// Surfaces within this many voxels of each other are one surface to the free-space picture, as in the measurement.
-constexpr double kConflictMarginVoxels = 2.0;
 // Points of a robot's path that are kept.
 constexpr std::size_t kMaxPathPoints = 4000;
 // Two submaps saw the same place where both have a surface in a cell this large. [m]
@@ -58,14 +56,15 @@ CloudPicture thinned_cloud(const SurfaceVoxels& voxels, std::size_t all_voxels, 
   return cloud;
 }
 
-std::uint8_t sample(const Eigen::Vector3d& at_m, const VoxelMap& map, NearestVoxelCursor& cursor,
-                    double max_distance_m) {
+// Surfaces within the margin of each other are one surface to the free-space picture, as in the measurement.
+std::uint8_t sample(const Eigen::Vector3d& at_m, const VoxelMap& map, NearestVoxelCursor& cursor, double max_distance_m,
+                    double margin_m) {
   const auto nearest = cursor.nearest(at_m, max_distance_m);
   std::uint8_t byte = SamplePicture::kNothing;
   if (nearest) {
     byte = static_cast<std::uint8_t>(std::lround(nearest->distance_m / max_distance_m * SamplePicture::kSteps));
   }
-  const bool near_surface = nearest && nearest->distance_m <= kConflictMarginVoxels * map.resolution_m();
+  const bool near_surface = nearest && nearest->distance_m <= margin_m;
   if (!near_surface && map.has_free_space() && is_free_with_neighbours(map, voxel_at(at_m, map.resolution_m()))) {
     byte = static_cast<std::uint8_t>(byte | SamplePicture::kThrough);
   }
@@ -73,13 +72,13 @@ std::uint8_t sample(const Eigen::Vector3d& at_m, const VoxelMap& map, NearestVox
 }
 
 std::vector<std::uint8_t> samples(const CloudPicture& cloud, std::uint32_t stride, const NearestVoxelSearch& other,
-                                  const Pose3& T_other_cloud, double max_distance_m) {
+                                  const Pose3& T_other_cloud, double max_distance_m, double margin_m) {
   const Eigen::Isometry3d T = T_other_cloud.isometry();
   NearestVoxelCursor cursor(other);
   std::vector<std::uint8_t> bytes;
   bytes.reserve(cloud.points.size() / stride + 1);
   for (std::size_t i = 0; i < cloud.points.size(); i += stride) {
-    bytes.push_back(sample(T * cloud.point_m(i), other.map(), cursor, max_distance_m));
+    bytes.push_back(sample(T * cloud.point_m(i), other.map(), cursor, max_distance_m, margin_m));
   }
   return bytes;
 }
@@ -127,10 +126,12 @@ void draw_samples(const PairResult& pair, const Picture& picture, const PlacedPa
   const CloudPicture& source = picture.clouds[static_cast<std::size_t>(pair.id.source.value)];
   const CloudPicture& target = picture.clouds[static_cast<std::size_t>(pair.id.target.value)];
   const double d_m = pair.max_distance_m;
+  const NearestVoxelSearch& in_source = maps.source.searchable.by_centroid();
+  const NearestVoxelSearch& in_target = maps.target.searchable.by_centroid();
+  const double margin_m = conflict_margin_m(in_source, in_target);
   const auto both = [&](const Pose3& T_target_source, auto member) {
-    drawn.source.*member = samples(source, drawn.stride, maps.target.searchable.by_centroid(), T_target_source, d_m);
-    drawn.target.*member =
-        samples(target, drawn.stride, maps.source.searchable.by_centroid(), T_target_source.inverse(), d_m);
+    drawn.source.*member = samples(source, drawn.stride, in_target, T_target_source, d_m, margin_m);
+    drawn.target.*member = samples(target, drawn.stride, in_source, T_target_source.inverse(), d_m, margin_m);
   };
   both(pair.T_target_source, &SamplePicture::before);
   if (pair.T_target_source_registered) both(*pair.T_target_source_registered, &SamplePicture::after);
@@ -200,12 +201,13 @@ void raise_misalignment(CloudPicture& cloud, const Places& other, const Pose3& T
   }
 }
 
-// Numbers of the decided pairs that each submap is in.
-std::vector<std::vector<std::size_t>> decided_pairs_by_submap(const Result& result) {
+// Numbers of the pairs that each submap is in whose registration is believed: of others nobody knows how far they are
+// off.
+std::vector<std::vector<std::size_t>> believed_pairs_by_submap(const Result& result) {
   std::vector<std::vector<std::size_t>> pairs(result.submaps.size());
   for (std::size_t k = 0; k < result.pairs.size(); ++k) {
     const PairResult& pair = result.pairs[k];
-    if (!pair.T_target_source_registered || pair.verdict.verdict == Verdict::kUnverified) continue;
+    if (!pair.T_target_source_registered || !pair.trusted) continue;
     pairs[static_cast<std::size_t>(pair.id.source.value)].push_back(k);
     pairs[static_cast<std::size_t>(pair.id.target.value)].push_back(k);
   }
@@ -215,7 +217,7 @@ std::vector<std::vector<std::size_t>> decided_pairs_by_submap(const Result& resu
 void draw_misalignment(Picture& picture, const Result& result, const RunContext& run) {
   std::vector<Places> places(picture.clouds.size());
   parallel_for(places.size(), run, [&](std::size_t i) { places[i] = places_of(picture.clouds[i]); });
-  const std::vector<std::vector<std::size_t>> pairs = decided_pairs_by_submap(result);
+  const std::vector<std::vector<std::size_t>> pairs = believed_pairs_by_submap(result);
   parallel_for(picture.clouds.size(), run, [&](std::size_t i) {
     for (const std::size_t k : pairs[i]) {
       const PairResult& pair = result.pairs[k];

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <new>
 
 #ifdef __GLIBC__
@@ -60,10 +61,11 @@ bool SubmapStore::fits(std::size_t needed) const {
 }
 
 Error SubmapStore::too_large(std::size_t needed) const {
-  const auto megabytes = [](std::size_t bytes) { return static_cast<double>(bytes) / 1e6; };
+  // Rounded apart, so that what is asked for is enough.
   return {ErrorCode::kOutOfMemory,
-          fmt::format("submaps that must be in memory together need {:.3g} MB, more than --memory allows ({:.3g} MB)",
-                      megabytes(needed), megabytes(limits_.memory_bytes)),
+          fmt::format("submaps that must be in memory together need {:.2f} MB, more than --memory allows ({:.2f} MB)",
+                      std::ceil(static_cast<double>(needed) / 1e4) / 100.0,
+                      std::floor(static_cast<double>(limits_.memory_bytes) / 1e4) / 100.0),
           {},
           "raise --memory, or use a coarser resolution or a smaller max_range"};
 }

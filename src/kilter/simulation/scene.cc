@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "kilter/simulation/scene.h"
 
+#include <fmt/format.h>
+
 #include <array>
 
 #include "kilter/base/option_table.h"
@@ -58,10 +60,10 @@ std::span<const SceneInfo> scene_catalog() { return kScenes; }
 
 Expected<Scene> make_scene(std::string_view name, const SceneOptions& options) {
   if (!(options.scale >= 0.5 && options.scale <= 10.0)) {
-    return fail(ErrorCode::kInvalidArgument, "scale must be from 0.5 to 10");
+    return fail(ErrorCode::kInvalidArgument, fmt::format("scale: expected 0.5 to 10, found {}", options.scale));
   }
   if (options.robots < 1 || options.robots > 5) {
-    return fail(ErrorCode::kInvalidArgument, "robots must be from 1 to 5");
+    return fail(ErrorCode::kInvalidArgument, fmt::format("robots: expected 1 to 5, found {}", options.robots));
   }
   if (name == "office") return make_office(options);
   if (name == "carpark") return make_carpark(options);

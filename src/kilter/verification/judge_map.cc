@@ -136,13 +136,18 @@ std::string undecided(const DecidedShares& shares, const std::vector<JudgedPair>
     const std::string& key = of_robots.first;  // clang 14 lets no lambda capture a structured binding
     const double share = of_robots.second;
     if (!too_few(share)) continue;
-    const bool meet = std::any_of(pairs.begin(), pairs.end(), [&](const JudgedPair& pair) {
-      return counts(pair) && pair.kind == PairKind::kGlobal && robots_key(pair, robots) == key;
-    });
+    std::size_t listed = 0;
+    std::size_t counted = 0;
+    for (const JudgedPair& pair : pairs) {
+      if (pair.kind != PairKind::kGlobal || robots_key(pair, robots) != key) continue;
+      ++listed;
+      counted += counts(pair) ? 1 : 0;
+    }
     const std::string names =
         fmt::format("{} and {}", printable(key.substr(0, key.find(','))), printable(key.substr(key.find(',') + 1)));
-    return meet ? fmt::format("only {:.0f} % of what robots {} both saw could be decided", 100.0 * share, names)
-                : fmt::format("robots {} never meet", names);
+    if (listed == 0) return fmt::format("robots {} never meet", names);
+    if (counted == 0) return fmt::format("robots {} never show enough of the same place", names);
+    return fmt::format("only {:.0f} % of what robots {} both saw could be decided", 100.0 * share, names);
   }
   const bool has_sequential =
       std::any_of(pairs.begin(), pairs.end(), [](const auto& pair) { return pair.kind == PairKind::kSequential; });

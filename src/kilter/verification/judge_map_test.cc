@@ -44,6 +44,15 @@ TEST(JudgeMap, RobotsThatNeverMeetLeaveItUndetermined) {
   EXPECT_FALSE(map.decided.local.has_value());
 }
 
+TEST(JudgeMap, RobotsThatMeetButShowTooLittleAreNotSaidNeverToMeet) {
+  std::vector<JudgedPair> pairs = {pair_apart(0.01, 0.01, PairKind::kSequential),
+                                   pair_apart(0.05, 0.2, PairKind::kGlobal, 2)};
+  pairs[1].waited_for = false;
+  const MapVerdict map = judge_map(pairs, kRobots, {});
+  EXPECT_EQ(map.state, MapState::kUndetermined);
+  EXPECT_EQ(map.reason, "robots a and b never show enough of the same place");
+}
+
 TEST(JudgeMap, EnoughDecidedPairsMakeItConsistent) {
   std::vector<JudgedPair> pairs = {pair_apart(0.01, 0.01, PairKind::kSequential),
                                    pair_apart(0.03, 0.01, PairKind::kGlobal, 2)};
