@@ -24,7 +24,7 @@ struct ParallelGap {
 /// Measures it at one relative pose, without registration.
 ///
 /// A source voxel of a plane meets the target's planar voxels that face the same way and lie along its normal, at most
-/// half a metre off; the nearest layer of them gives its signed distance s. The median of s over a cell of half a metre
+/// half a metre off; the nearest layer of them gives its signed distance s. The median of s over a cell of a metre
 /// is one observation; the median over the cells of one direction (normals within 18 degrees, either sign) is that
 /// direction's gap, its spread over the cells its uncertainty. A direction whose cells disagree among each other (a
 /// turned wall, or surfaces that are not the same) has none. Of the directions whose gap differs from zero at 1 % the
