@@ -147,7 +147,7 @@ void TimedMotions::weigh(double scale_m) {
     motion.tail<3>() /= radius_m_;
     for (std::size_t i = cell.first; i < cell.last; ++i) {
       PlaneResidual& r = residuals_[i];
-      const double left_m = r.residual_m + plain_jacobian(r, centre_m_).dot(motion);
+      const double left_m = r.residual_m + change_of_residual(r, centre_m_, motion);
       r.weight = planarity_[i] * geman_mcclure(left_m, scale_m);
       weights[patch_[i]] += r.weight;
       squares_m2[patch_[i]] += r.weight * left_m * left_m;

@@ -18,6 +18,20 @@ namespace kilter {
   return j;
 }
 
+/// By how much a small motion (v, w) about the centre changes a residual: J (v, w), to the bit what Eigen makes of it
+/// on registers of two doubles, but from scalars, since a vector that was written piece by piece is waited for.
+[[nodiscard]] inline double change_of_residual(const PlaneResidual& r, const Eigen::Vector3d& centre_m,
+                                               const Vector6& motion) {
+  const double x_m = r.point_m.x() - centre_m.x();
+  const double y_m = r.point_m.y() - centre_m.y();
+  const double z_m = r.point_m.z() - centre_m.z();
+  const double about_x = y_m * r.direction.z() - z_m * r.direction.y();
+  const double about_y = z_m * r.direction.x() - x_m * r.direction.z();
+  const double about_z = x_m * r.direction.y() - y_m * r.direction.x();
+  return (r.direction.x() * motion[0] + (r.direction.z() * motion[2] + about_y * motion[4])) +
+         (r.direction.y() * motion[1] + (about_x * motion[3] + about_z * motion[5]));
+}
+
 /// Over all residuals, with J the plain Jacobian.
 struct JacobianSums {
   Matrix6 information = Matrix6::Zero();  ///< sum w J J^T

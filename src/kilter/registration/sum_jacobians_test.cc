@@ -35,5 +35,17 @@ TEST(SumJacobians, EveryPathGivesTheSameBits) {
   }
 }
 
+TEST(ChangeOfResidual, IsTheJacobianTimesTheMotion) {
+  Rng rng(8, 1);
+  const auto any = [&] { return Eigen::Vector3d(rng.normal(), rng.normal(), rng.normal()); };
+  for (int k = 0; k < 200; ++k) {
+    const PlaneResidual r{10.0 * any(), any().normalized(), rng.normal(), 1.0};
+    const Eigen::Vector3d centre_m = 3.0 * any();
+    Vector6 motion;
+    motion << any(), any();
+    EXPECT_NEAR(change_of_residual(r, centre_m, motion), plain_jacobian(r, centre_m).dot(motion), 1e-12);
+  }
+}
+
 }  // namespace
 }  // namespace kilter
