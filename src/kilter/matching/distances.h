@@ -34,9 +34,6 @@ struct DistanceSample {
   [[nodiscard]] double overlap() const {
     return candidates == 0 ? 0.0 : static_cast<double>(matched()) / static_cast<double>(candidates);
   }
-  [[nodiscard]] bool passes_gate(const MatchingOptions& options) const {
-    return matched() >= static_cast<std::size_t>(options.matched_min) && overlap() >= options.overlap_min;
-  }
 };
 
 /// Eq. (8): d(m_i, n_j) = d_e + d_f with n_j the voxel of the target closest to m_i, and d_f = occupancy_weight *

@@ -47,7 +47,6 @@ TEST(MeasureDistances, BeyondTheSearchDistanceNothingMatches) {
   const DistanceSample beyond = measure(map, search, Pose3::from_translation(0.0, 1.05, 0.0), {});
   EXPECT_EQ(beyond.matched(), 0U);
   EXPECT_EQ(beyond.overlap(), 0.0);
-  EXPECT_FALSE(beyond.passes_gate({}));
 }
 
 // Eq. (8) with voxels of different certainty: seen ten times here, once there.

@@ -49,10 +49,6 @@ std::string edge_text(const Result& result, const PairResult& pair, G2oDialect d
 
 }  // namespace
 
-std::optional<Matrix6> g2o_information(const Matrix6& covariance) {
-  return information_for(G2oDialect::kG2o, covariance, {});
-}
-
 std::optional<Matrix6> information_for(G2oDialect dialect, const Matrix6& covariance, const Pose3& T_target_source) {
   if (!covariance.allFinite()) return std::nullopt;
   Matrix6 J = Matrix6::Identity();  // d(reader's error) / d xi

@@ -20,18 +20,12 @@ enum class G2oDialect {
            ///< by L^T L and not by L L^T: in the file stands what makes that the information
 };
 
-/// The information matrix that goes into the file for a covariance of T_target_source * Exp(xi), xi = (x y z rx ry rz).
+/// The information matrix that goes into the file for a covariance of T_target_source * Exp(xi), xi = (x y z rx ry rz):
+/// (J covariance J^T)^-1 with J = d(reader's error) / d xi. For g2o, which takes the vector part of a quaternion, J is
+/// diag(1, 1, 1, 1/2, 1/2, 1/2): rotation blocks count four times, mixed ones twice.
 /// \return  absent when the covariance is not finite, not positive definite, or too close to singular to invert.
 [[nodiscard]] std::optional<Matrix6> information_for(G2oDialect dialect, const Matrix6& covariance,
                                                      const Pose3& T_target_source);
-
-/// The information matrix that g2o expects for an EDGE_SE3:QUAT with the given covariance.
-///
-/// g2o's error is (x y z qx qy qz): the vector part of a quaternion, half the angle. So with
-/// D = diag(1, 1, 1, 1/2, 1/2, 1/2) the information is (D covariance D^T)^-1: rotation blocks count four times, mixed
-/// ones twice. Both sides perturb on the right, xi = (x y z rx ry rz) in the source's frame.
-/// \return  absent when the covariance is not finite, not positive definite, or too close to singular to invert.
-[[nodiscard]] std::optional<Matrix6> g2o_information(const Matrix6& covariance);
 
 /// VERTEX_SE3:QUAT for each submap: its id, T_world_submap, and its name in a comment before it.
 [[nodiscard]] std::string submaps_g2o(const std::vector<SubmapSummary>& submaps);

@@ -96,7 +96,7 @@ TEST(ConstraintsG2o, TheCostOfASmallErrorIsItsMahalanobisDistance) {
     for (double& entry : start) entry = rng.normal();
     const Pose3 measured = Pose3::exp(start);
     const Vector6 error = g2o_error(measured, measured * Pose3::exp(xi));
-    const auto information = g2o_information(covariance);
+    const auto information = information_for(G2oDialect::kG2o, covariance, {});
     ASSERT_TRUE(information);
     const double cost = error.dot(*information * error);
     const double expected = xi.dot(covariance.inverse() * xi);
@@ -144,13 +144,13 @@ TEST(ConstraintsG2o, AGraphSettlesOnTheSamePosesInEveryDialect) {
 TEST(ConstraintsG2o, CovariancesThatCannotBeInvertedGiveNoInformation) {
   Matrix6 covariance = Matrix6::Identity();
   covariance(3, 3) = 0.0;
-  EXPECT_FALSE(g2o_information(covariance));
+  EXPECT_FALSE(information_for(G2oDialect::kG2o, covariance, {}));
   covariance(3, 3) = -1.0;
-  EXPECT_FALSE(g2o_information(covariance));
+  EXPECT_FALSE(information_for(G2oDialect::kG2o, covariance, {}));
   covariance(3, 3) = std::numeric_limits<double>::infinity();
-  EXPECT_FALSE(g2o_information(covariance));
+  EXPECT_FALSE(information_for(G2oDialect::kG2o, covariance, {}));
   covariance(3, 3) = 1e-18;
-  EXPECT_FALSE(g2o_information(covariance));
+  EXPECT_FALSE(information_for(G2oDialect::kG2o, covariance, {}));
 }
 
 TEST(ConstraintsG2o, HoldsAVertexPerSubmapAndAnEdgePerTrustedPair) {

@@ -128,7 +128,6 @@ std::vector<Agreement> compare_corrections(const CorrectionIndex& index) {
   for (std::size_t i = 0; i < corrections.size(); ++i) {
     const Correction& own = corrections[i];
     Agreement& agreement = agreements[i];
-    double nearest_m = options.neighbourhood_m;
     for (const std::size_t k : index.near(own)) {
       const Correction& other = corrections[k];
       const Comparison here = compare(own, other, options);
@@ -138,10 +137,6 @@ std::vector<Agreement> compare_corrections(const CorrectionIndex& index) {
       } else if (here.same()) {
         ++agreement.agreeing;
         agreement.agreeing_weight += other.weight;
-        if (way_m(own, other) <= nearest_m) {
-          nearest_m = way_m(own, other);
-          agreement.nearest_agreeing = other.id;
-        }
       }
     }
   }

@@ -34,7 +34,6 @@ struct Agreement {
   int contradicting = 0;
   double agreeing_weight = 0.0;
   double contradicting_weight = 0.0;
-  std::optional<PairId> nearest_agreeing;  ///< the one with the shortest way along both journeys
   /// How many of those that are believed on their own ask for the same (count_vouching); of a pair that was not
   /// registered, how many would move it (count_movers).
   int vouching = 0;
