@@ -59,7 +59,7 @@ struct PairPicture {
 
 /// All that can be seen of a result; same order as its robots, submaps and pairs.
 struct Picture {
-  /// Misalignment is a byte: 0 = no decided pair saw it, else 1 + the largest displacement that a decided pair's
+  /// Misalignment is a byte: 0 = no pair whose registration is believed saw it, else 1 + the largest displacement that a
   /// registration gives this point, in these steps, at most 254 of them. [m]
   static constexpr double kMisalignmentStep_m = 0.01;
 

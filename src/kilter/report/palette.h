@@ -25,7 +25,7 @@ using Rgb = std::array<std::uint8_t, 3>;
 /// For values that have no place on a logarithmic scale.
 [[nodiscard]] Rgb below_scale_colour();
 
-/// Of a byte of CloudPicture::misalignment: grey where no decided pair saw the point, then from calm to alarming
+/// Of a byte of CloudPicture::misalignment: grey where no believed registration tells, then from calm to alarming
 /// between a tenth of the tolerance and ten times it, logarithmically.
 [[nodiscard]] Rgb misalignment_colour(std::uint8_t byte, double tolerance_m);
 
