@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "kilter/io/file.h"
 #include "kilter/io/result_file.h"
@@ -102,12 +103,23 @@ Expected<void> add_submap(const json& submap, const std::string& where, Cuts& cu
   return append_range(cuts[robot->get<std::string>()], {*first, *last}, where);
 }
 
-Expected<json> root_of_result(const std::filesystem::path& result) {
+struct ResultText {
+  std::string where;
+  ByteBuffer bytes;
+};
+
+Expected<ResultText> text_of_result(const std::filesystem::path& result) {
   const auto file = find_result_file(result, "result.json", kTakes);
   if (!file) return pass_up(file.error());
-  const auto bytes = read_file(*file);
+  auto bytes = read_file(*file);
   if (!bytes) return pass_up(bytes.error());
-  return parse_root(bytes->view(), shown(*file));
+  return ResultText{shown(*file), *std::move(bytes)};
+}
+
+Expected<json> root_of_result(const std::filesystem::path& result) {
+  const auto text = text_of_result(result);
+  if (!text) return pass_up(text.error());
+  return parse_root(text->bytes.view(), text->where);
 }
 
 }  // namespace
@@ -151,11 +163,9 @@ std::optional<std::string> poses_of_result(const std::filesystem::path& result) 
 }
 
 Expected<Cuts> read_cuts(const std::filesystem::path& result) {
-  const auto file = find_result_file(result, "result.json", kTakes);
-  if (!file) return pass_up(file.error());
-  const auto bytes = read_file(*file);
-  if (!bytes) return pass_up(bytes.error());
-  return parse_cuts(bytes->view(), shown(*file));
+  const auto text = text_of_result(result);
+  if (!text) return pass_up(text.error());
+  return parse_cuts(text->bytes.view(), text->where);
 }
 
 }  // namespace kilter
