@@ -89,12 +89,10 @@ Expected<Job> open_job(const CheckCommand& command) {
   for (const RobotLog& robot : job.mission.robots) {
     if (auto usable = check_usable(robot); !usable) return pass_up(usable.error());
   }
-  Expected<Cuts> cuts = place_submaps(job.mission, command.cuts, command.submap_poses, command.poses_folder);
+  Expected<Cuts> cuts =
+      place_submaps(job.mission, job.settings.check, command.cuts, command.submap_poses, command.poses_folder);
   if (!cuts) return pass_up(cuts.error());
   job.cuts = *std::move(cuts);
-  if (!job.cuts.empty()) {
-    if (const auto note = take_keys_of_cuts(*command.cuts, job.settings.check)) job.mission.notes.push_back(*note);
-  }
   return job;
 }
 

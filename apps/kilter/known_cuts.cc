@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "apps/kilter/unused_keys.h"
 #include "kilter/io/file.h"
 #include "kilter/io/submap_poses.h"
 
@@ -54,7 +55,7 @@ Expected<Cuts> read_cuts_for(Mission& mission, const std::string& result) {
   return cuts;
 }
 
-Expected<Cuts> place_submaps(Mission& mission, const std::optional<std::string>& cuts_result,
+Expected<Cuts> place_submaps(Mission& mission, CheckOptions& options, const std::optional<std::string>& cuts_result,
                              const std::optional<std::string>& submap_poses, const std::optional<std::string>& poses) {
   Cuts cuts;
   const auto is_finished = [](const RobotLog& robot) { return robot.finished_submaps; };
@@ -65,6 +66,7 @@ Expected<Cuts> place_submaps(Mission& mission, const std::optional<std::string>&
     Expected<Cuts> known = read_cuts_for(mission, *cuts_result);
     if (!known) return known;
     cuts = *std::move(known);
+    if (auto note = take_keys_of_cuts(*cuts_result, options)) mission.notes.push_back(*std::move(note));
   }
   if (!submap_poses) return cuts;
   if (cuts_result && !all_finished) {

@@ -8,6 +8,7 @@
 #include "kilter/base/expected.h"
 #include "kilter/io/cuts.h"
 #include "kilter/io/mission.h"
+#include "kilter/pipeline/check.h"
 
 namespace kilter::app {
 
@@ -16,9 +17,11 @@ namespace kilter::app {
 [[nodiscard]] Expected<Cuts> read_cuts_for(Mission& mission, const std::string& result);
 
 /// What check and submaps are told by --cuts and --submap-poses: reads the former, and moves the mission's submaps to
-/// where the latter has them. \return where to cut, empty without --cuts; or what either fails with.
-/// \param poses  what --poses says: a submap is moved with the poses that its scans had inside it
-[[nodiscard]] Expected<Cuts> place_submaps(Mission& mission, const std::optional<std::string>& cuts_result,
+/// where the latter has them. The options take over how the former was cut. \return where to cut, empty without --cuts;
+/// or what either fails with. \param poses  what --poses says: a submap is moved with the poses that its scans had
+/// inside it
+[[nodiscard]] Expected<Cuts> place_submaps(Mission& mission, CheckOptions& options,
+                                           const std::optional<std::string>& cuts_result,
                                            const std::optional<std::string>& submap_poses,
                                            const std::optional<std::string>& poses);
 

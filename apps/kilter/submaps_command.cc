@@ -1,7 +1,6 @@
 // SPDX-FileCopyrightText: The kilter authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
-#include <cmath>
 #include <memory>
 #include <optional>
 #include <string>
@@ -29,6 +28,7 @@
 #include "kilter/io/mission.h"
 #include "kilter/io/sources/robot_folder.h"
 #include "kilter/io/usable_points.h"
+#include "kilter/pipeline/submap_store.h"
 #include "kilter/report/constraints_g2o.h"
 #include "kilter/report/json_writer.h"
 #include "kilter/report/text_lines.h"
@@ -101,12 +101,10 @@ Done<Job> open_job(const SubmapsCommand& command) {
   for (const RobotLog& robot : job.mission.robots) {
     if (auto usable = check_usable(robot); !usable) return failed(usable.error());
   }
-  Expected<Cuts> cuts = place_submaps(job.mission, command.cuts, command.submap_poses, command.poses_folder);
+  Expected<Cuts> cuts =
+      place_submaps(job.mission, job.settings.check, command.cuts, command.submap_poses, command.poses_folder);
   if (!cuts) return failed(cuts.error());
   job.cuts = *std::move(cuts);
-  if (!job.cuts.empty()) {
-    if (const auto note = take_keys_of_cuts(*command.cuts, job.settings.check)) job.mission.notes.push_back(*note);
-  }
   if (auto fit = probe_output_folder(command.output_folder, {kPoseGraph}); !fit) return failed(fit.error(), true);
   std::vector<std::filesystem::path> names = {kPoseGraph};
   for (const RobotLog& robot : job.mission.robots) {
@@ -142,11 +140,7 @@ Expected<std::vector<Submap>> build(const Job& job, std::size_t number, const Su
   std::size_t held = 0;
   for (const Submap& submap : *submaps) held += submap.map.bytes();
   if (job.memory_bytes == 0 || held <= job.memory_bytes) return submaps;
-  return fail(ErrorCode::kOutOfMemory,
-              fmt::format("the submaps of {} need {:.2f} MB, more than --memory allows ({:.2f} MB)",
-                          printable(robot.name), std::ceil(static_cast<double>(held) / 1e4) / 100.0,
-                          std::floor(static_cast<double>(job.memory_bytes) / 1e4) / 100.0),
-              {}, "raise --memory, or use a coarser resolution or a smaller max_range");
+  return pass_up(exceeds_memory(fmt::format("the submaps of {} need", printable(robot.name)), held, job.memory_bytes));
 }
 
 // When each submap began, where the source tells.

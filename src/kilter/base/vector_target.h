@@ -13,3 +13,12 @@
 #define KILTER_BEGIN_TARGET(name) KILTER_PRAGMA(GCC push_options) KILTER_PRAGMA(GCC target(name))
 #define KILTER_END_TARGET KILTER_PRAGMA(GCC pop_options)
 #endif
+
+// What is called `name` in that of the namespaces baseline, avx2 and avx512 which a VectorPath stands for; the latter
+// two are there on x86-64 alone.
+#if defined(__x86_64__)
+#define KILTER_OF_PATH(path, name) \
+  ((path) == VectorPath::kAvx512 ? avx512::name : (path) == VectorPath::kAvx2 ? avx2::name : baseline::name)
+#else
+#define KILTER_OF_PATH(path, name) (static_cast<void>(path), baseline::name)
+#endif

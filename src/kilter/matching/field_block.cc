@@ -129,9 +129,6 @@ constexpr auto kLifts = [] {
   return lifts;
 }();
 
-using Compute = bool (*)(const VoxelMap& map, const OccupiedBlocks& occupied, const FieldBox& box,
-                         const Eigen::Vector3i& at, int reach, FieldBlock& voxels);
-
 namespace baseline {
 
 using Ints = Row;
@@ -179,16 +176,6 @@ inline Ints repeated(const Row& row) {
 KILTER_END_TARGET
 #endif
 
-Compute compute_with(VectorPath path) {
-#if defined(__x86_64__)
-  if (path == VectorPath::kAvx512) return avx512::compute;
-  if (path == VectorPath::kAvx2) return avx2::compute;
-#else
-  static_cast<void>(path);
-#endif
-  return baseline::compute;
-}
-
 }  // namespace
 
 OccupiedBlocks::OccupiedBlocks(const VoxelMap& map, const FieldBox& box)
@@ -205,7 +192,7 @@ OccupiedBlocks::OccupiedBlocks(const VoxelMap& map, const FieldBox& box)
 
 bool compute_field_block(const VoxelMap& map, const OccupiedBlocks& occupied, const FieldBox& box,
                          const Eigen::Vector3i& at, int reach, VectorPath path, FieldBlock& voxels) {
-  return compute_with(path)(map, occupied, box, at, reach, voxels);
+  return KILTER_OF_PATH(path, compute)(map, occupied, box, at, reach, voxels);
 }
 
 }  // namespace kilter

@@ -117,14 +117,6 @@ KILTER_END_TARGET
 
 }  // namespace
 
-const LookUpKernels& look_up_kernels(VectorPath path) {
-#if defined(__x86_64__)
-  if (path == VectorPath::kAvx512) return avx512::kKernels;
-  if (path == VectorPath::kAvx2) return avx2::kKernels;
-#else
-  static_cast<void>(path);
-#endif
-  return baseline::kKernels;
-}
+const LookUpKernels& look_up_kernels(VectorPath path) { return KILTER_OF_PATH(path, kKernels); }
 
 }  // namespace kilter

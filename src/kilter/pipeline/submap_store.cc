@@ -49,6 +49,15 @@ Error no_memory() {
 
 }  // namespace
 
+Error exceeds_memory(const std::string& what_needs, std::size_t needed_bytes, std::size_t allowed_bytes) {
+  const auto hundredths = [](std::size_t bytes) { return static_cast<double>(bytes) / 1e4; };  // of a megabyte
+  return {ErrorCode::kOutOfMemory,
+          fmt::format("{} {:.2f} MB, more than --memory allows ({:.2f} MB)", what_needs,
+                      std::ceil(hundredths(needed_bytes)) / 100.0, std::floor(hundredths(allowed_bytes)) / 100.0),
+          {},
+          "raise --memory, or use a coarser resolution or a smaller max_range"};
+}
+
 PinnedMap::~PinnedMap() {
   if (store_ != nullptr) store_->release(number_of(id_));
 }
@@ -61,13 +70,7 @@ bool SubmapStore::fits(std::size_t needed) const {
 }
 
 Error SubmapStore::too_large(std::size_t needed) const {
-  // Rounded apart, so that what is asked for is enough.
-  return {ErrorCode::kOutOfMemory,
-          fmt::format("submaps that must be in memory together need {:.2f} MB, more than --memory allows ({:.2f} MB)",
-                      std::ceil(static_cast<double>(needed) / 1e4) / 100.0,
-                      std::floor(static_cast<double>(limits_.memory_bytes) / 1e4) / 100.0),
-          {},
-          "raise --memory, or use a coarser resolution or a smaller max_range"};
+  return exceeds_memory("submaps that must be in memory together need", needed, limits_.memory_bytes);
 }
 
 void SubmapStore::fail_all(Error error) {

@@ -9,6 +9,7 @@
 #include <mutex>
 #include <optional>
 #include <span>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -48,6 +49,10 @@ struct PinnedPair {
   PinnedMap source;
   PinnedMap target;
 };
+
+/// kOutOfMemory: "WHAT_NEEDS so many MB, more than --memory allows". Rounded apart, so that what is asked for is
+/// enough.
+[[nodiscard]] Error exceeds_memory(const std::string& what_needs, std::size_t needed_bytes, std::size_t allowed_bytes);
 
 /// How much a store may hold, and where the rest goes.
 struct StoreLimits {
