@@ -59,8 +59,8 @@ struct PairPicture {
 
 /// All that can be seen of a result; same order as its robots, submaps and pairs.
 struct Picture {
-  /// Misalignment is a byte: 0 = no pair whose registration is believed saw it, else 1 + the largest displacement that a
-  /// registration gives this point, in these steps, at most 254 of them. [m]
+  /// Misalignment is a byte: 0 = no pair whose registration is believed saw it, else 1 + the largest displacement that
+  /// a registration gives this point, in these steps, at most 254 of them. [m]
   static constexpr double kMisalignmentStep_m = 0.01;
 
   double max_distance_m = 1.0;                      ///< the paper's d
