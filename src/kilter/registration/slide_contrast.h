@@ -8,16 +8,15 @@ namespace kilter {
 
 /// How much better the pose fits than poses slid along one direction.
 struct SlideContrast {
-  /// Points that fit at the pose / the most that fit after any longer slide, were as many met there (up to twice those
-  /// that were: a slide may leave the overlap).
+  /// Points that fit at the pose, less two standard deviations of their count / the most that fit after any longer
+  /// slide, were as much of the overlap left there.
   double contrast = 0.0;
   double beyond_voxels = 0.0;  ///< slides of at least this
 
   /// Enough for the direction to be fixed.
   [[nodiscard]] bool fixed() const { return contrast >= kLeast; }
-  /// Standard deviation along the direction that comes from what fits anywhere. [voxels] Precondition: fixed(). Seen
-  /// where the truth is known, alike in car parks and tunnels: errors of 2.4 cm at a contrast of 1.6 beyond two voxels
-  /// of 0.1 m, 1.0 at 2.2, 0.6 at 3.5; 7 cm at 1.6 beyond five voxels.
+  /// Standard deviation along the direction that comes from what fits anywhere. [voxels] Precondition: fixed(). Chosen
+  /// by errors where the truth is known, alike in car parks and tunnels.
   [[nodiscard]] double blur_voxels() const { return 0.07 * beyond_voxels / (contrast - 1.0); }
 
   static constexpr double kLeast = 1.5;
@@ -31,6 +30,10 @@ struct SlideContrast {
 /// and scattered normals of the surfaces along it, fits wherever it is put: the linearised information counts it all
 /// the same. So the contrast is told beyond the shortest slide, of 2, 3 or 5 voxels, from which on it is enough, up to
 /// 10; beyond 5 if it never is. Zero where fewer than 20 points fit.
+///
+/// A slide may leave the overlap, so that less fits. How much is left is told by surfaces along the motion, which go on
+/// meeting their like as far as the overlap reaches (up to twice is made up for); those that face it meet nothing any
+/// more once they have left their place, and would say that everything was gone.
 ///
 /// \param motion  v0 + w x p of the target frame, of RMS 1 m over what is matched
 /// O(facing points).

@@ -50,6 +50,21 @@ TEST(SlideContrast, APillarDoes) {
   EXPECT_LT(contrast_along(pair, slid, Eigen::Vector3d::UnitX()).contrast, 1.0) << "it fits better 0.7 m from there";
 }
 
+// Off their place its sides meet nothing, while the walls beside it still meet theirs: the overlap is not gone.
+TEST(SlideContrast, ALowPillarDoesToo) {
+  Scene scene = testing::bare_corridor();
+  scene.push_back({{7.0, 0.6, 0.0}, {7.3, 0.9, 1.0}});
+  const SubmapPair pair = pair_in(scene);
+  EXPECT_GT(contrast_along(pair, pair.T_target_source, Eigen::Vector3d::UnitX()).contrast, 2.0);
+}
+
+TEST(SlideContrast, AHandfulOfPointsMayFitByChance) {
+  Scene scene = testing::bare_corridor();
+  scene.push_back({{7.0, 0.6, 0.0}, {7.3, 0.9, 0.6}});
+  const SubmapPair pair = pair_in(scene);
+  EXPECT_FALSE(contrast_along(pair, pair.T_target_source, Eigen::Vector3d::UnitX()).fixed());
+}
+
 // Half of one submap's scans stand 20 cm beside the others: its pillar fits over that length.
 TEST(SlideContrast, ABentSubmapFitsLessSharply) {
   Scene scene = testing::bare_corridor();
