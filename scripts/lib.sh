@@ -65,6 +65,9 @@ install_browser() {
   if apt-cache show chromium 2>/dev/null | grep -q '^Filename'; then install_packages browser; fi
 }
 
+# warnings_of LOG: what CMake warned of, say that there will be no viewer.
+warnings_of() { awk '/^CMake Warning/ { on = 1 } /^-- / { on = 0 } on' "$1"; }
+
 # build PRESET [TARGET...]: configures and builds build/ or build-PRESET/; quiet unless something goes wrong.
 build() {
   local preset=$1 log status=0
@@ -74,6 +77,8 @@ build() {
   if ! (cd "$root" && cmake --preset "$preset" && cmake --build --preset "$preset" ${1:+--target "$@"}) >"$log" 2>&1; then
     grep -E -A 20 'FAILED|CMake Error|error:' "$log" >&2 || cat "$log" >&2
     status=1
+  else
+    warnings_of "$log" >&2
   fi
   rm -f "$log"
   return $status
