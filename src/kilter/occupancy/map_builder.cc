@@ -22,7 +22,8 @@ constexpr std::size_t kMostMarkBytes = std::size_t{3} << 30;
 constexpr std::uint32_t kNoOrigin = std::numeric_limits<std::uint32_t>::max();
 
 bool on_lattice(const Eigen::Vector3d& point_m, double resolution_m) {
-  return point_m.allFinite() && point_m.cwiseAbs().maxCoeff() < resolution_m * (kMaxVoxelIndex - 1);
+  const double end_m = resolution_m * (kMaxVoxelIndex - 1);
+  return std::abs(point_m.x()) < end_m && std::abs(point_m.y()) < end_m && std::abs(point_m.z()) < end_m;
 }
 
 }  // namespace
@@ -30,7 +31,7 @@ bool on_lattice(const Eigen::Vector3d& point_m, double resolution_m) {
 MapBuilder::MapBuilder(const OccupancyOptions& options) : MapBuilder(options, vector_paths().back()) {}
 
 MapBuilder::MapBuilder(const OccupancyOptions& options, VectorPath path)
-    : options_(options), trace_(trace_rays_with(path)), blocks_(LogOddsModel(options)) {}
+    : options_(options), kernels_(ray_kernels(path)), blocks_(LogOddsModel(options)) {}
 
 bool MapBuilder::insert_scan(std::span<const Eigen::Vector3d> points_m, const Eigen::Vector3d& origin_m,
                              const KeepGoing& keep_going) {
@@ -39,16 +40,14 @@ bool MapBuilder::insert_scan(std::span<const Eigen::Vector3d> points_m, const Ei
     return true;
   }
   has_free_space_ = true;
-  const std::size_t first_hit = hits_.size();
   const Eigen::Vector3f from_m = origin_m.cast<float>();
   origins_m_.push_back(from_m);
-  take_returns(points_m, from_m);
+  const std::size_t hits = take_returns(points_m, from_m);
   Eigen::AlignedBox3f box_m(from_m);
-  for (std::size_t i = 0; i < ends_m_.count; ++i)
-    box_m.extend(Eigen::Vector3f(ends_m_.x[i], ends_m_.y[i], ends_m_.z[i]));
+  for (std::size_t i = 0; i < ends_m_.count; ++i) box_m.extend(ends_m_[i]);
   open_window(box_m);
   if (!trace(from_m, keep_going)) return false;
-  mark_hits(first_hit);
+  kernels().mark_hits(ends_m_, hits, options_.resolution_m, marks_);
   apply_marks();
   return true;
 }
@@ -60,7 +59,7 @@ std::size_t MapBuilder::held_bytes() const {
 
 // A scan's rays, some at a time if somebody asks: marks do not depend on what is traced together.
 bool MapBuilder::trace(const Eigen::Vector3f& from_m, const KeepGoing& keep_going) {
-  const TraceRays mark = marks_.is_dense() ? trace_ : trace_rays_one_by_one;
+  const auto mark = kernels().trace;
   const double voxels_a_ray = 3.0 * options_.max_range_m / options_.resolution_m;
   const auto at_once = static_cast<std::size_t>(std::clamp(kVoxelsBetweenQuestions / voxels_a_ray, 16.0, 1e6));
   if (!keep_going || ends_m_.count <= at_once) {
@@ -70,7 +69,7 @@ bool MapBuilder::trace(const Eigen::Vector3f& from_m, const KeepGoing& keep_goin
   for (std::size_t first = 0; first < ends_m_.count; first += at_once) {
     const std::size_t last = std::min(first + at_once, ends_m_.count);
     some_ends_m_.clear_for(last - first);
-    for (std::size_t i = first; i < last; ++i) some_ends_m_.add({ends_m_.x[i], ends_m_.y[i], ends_m_.z[i]});
+    for (std::size_t i = first; i < last; ++i) some_ends_m_.add(ends_m_[i]);
     mark(from_m, some_ends_m_, options_.resolution_m, marks_);
     if (!keep_going(held_bytes()) || marks_.held_bytes() > kMostMarkBytes) return false;
   }
@@ -78,7 +77,7 @@ bool MapBuilder::trace(const Eigen::Vector3f& from_m, const KeepGoing& keep_goin
 }
 
 void MapBuilder::insert_points(std::span<const Eigen::Vector3d> points_m) {
-  const std::size_t first_hit = hits_.size();
+  ends_m_.clear_for(points_m.size());
   Eigen::AlignedBox3f box_m;
   for (const Eigen::Vector3d& point_m : points_m) {
     if (!on_lattice(point_m, options_.resolution_m)) {
@@ -86,18 +85,23 @@ void MapBuilder::insert_points(std::span<const Eigen::Vector3d> points_m) {
       continue;
     }
     hits_.push_back({point_m.cast<float>(), kNoOrigin});
+    ends_m_.add(hits_.back().point_m);
     box_m.extend(hits_.back().point_m);
   }
   if (box_m.isEmpty()) return;
   open_window(box_m);
-  mark_hits(first_hit);
+  kernels().mark_hits(ends_m_, ends_m_.count, options_.resolution_m, marks_);
   apply_marks();
 }
 
-// Sorts out which points are returns and where their rays end.
-void MapBuilder::take_returns(std::span<const Eigen::Vector3d> points_m, const Eigen::Vector3f& origin_m) {
+// Sorts out which points are returns and where their rays end. \return how many are hits, which come first.
+std::size_t MapBuilder::take_returns(std::span<const Eigen::Vector3d> points_m, const Eigen::Vector3f& origin_m) {
   ends_m_.clear_for(points_m.size());
+  beyond_m_.clear_for(points_m.size());
   const auto origin = static_cast<std::uint32_t>(origins_m_.size() - 1);
+  const std::size_t first_hit = hits_.size();
+  hits_.resize(first_hit + points_m.size());
+  Hit* const hits = hits_.data() + first_hit;
   for (const Eigen::Vector3d& point_m : points_m) {
     if (!on_lattice(point_m, options_.resolution_m)) {
       ++points_off_lattice_;
@@ -107,14 +111,18 @@ void MapBuilder::take_returns(std::span<const Eigen::Vector3d> points_m, const E
     const double range_m = ray_length_m(to_m - origin_m);
     if (!(range_m >= options_.min_range_m) || range_m == 0.0) continue;
     if (range_m <= options_.max_range_m) {
-      hits_.push_back({to_m, origin});
+      hits[ends_m_.count] = {to_m, origin};
       ends_m_.add(to_m);
       continue;
     }
     const Eigen::Vector3f direction = (to_m - origin_m) / static_cast<float>(range_m);
     const Eigen::Vector3f end_m = origin_m + direction * static_cast<float>(options_.max_range_m);
-    if (on_lattice(end_m.cast<double>(), options_.resolution_m)) ends_m_.add(end_m);
+    if (on_lattice(end_m.cast<double>(), options_.resolution_m)) beyond_m_.add(end_m);
   }
+  const std::size_t count = ends_m_.count;
+  hits_.resize(first_hit + count);
+  for (std::size_t i = 0; i < beyond_m_.count; ++i) ends_m_.add(beyond_m_[i]);
+  return count;
 }
 
 // A block more on every side, into which rays may be led by rounding.
@@ -124,11 +132,7 @@ void MapBuilder::open_window(const Eigen::AlignedBox3f& box_m) {
   marks_.begin(low - Eigen::Vector3i::Ones(), high + Eigen::Vector3i::Ones());
 }
 
-void MapBuilder::mark_hits(std::size_t first) {
-  for (std::size_t i = first; i < hits_.size(); ++i) {
-    marks_.mark(voxel_at(hits_[i].point_m.cast<double>(), options_.resolution_m), ScanMarks::kHit);
-  }
-}
+RayKernels MapBuilder::kernels() const { return marks_.is_dense() ? kernels_ : ray_kernels_one_by_one(); }
 
 void MapBuilder::apply_marks() {
   marks_.take([&](const Eigen::Vector3i& block, BlockStore::Marks marks) { blocks_.apply(block, marks); });

@@ -53,21 +53,22 @@ class MapBuilder {
     std::uint32_t origin = 0;
   };
 
-  void take_returns(std::span<const Eigen::Vector3d> points_m, const Eigen::Vector3f& origin_m);
+  std::size_t take_returns(std::span<const Eigen::Vector3d> points_m, const Eigen::Vector3f& origin_m);
   [[nodiscard]] std::size_t held_bytes() const;
   [[nodiscard]] bool trace(const Eigen::Vector3f& from_m, const KeepGoing& keep_going);
   void open_window(const Eigen::AlignedBox3f& box_m);
-  void mark_hits(std::size_t first);
+  [[nodiscard]] RayKernels kernels() const;
   void apply_marks();
   [[nodiscard]] SurfaceVoxels summarise_hits(const std::vector<VoxelBlock>& occupied) const;
 
   OccupancyOptions options_;
   bool has_free_space_ = false;
   std::size_t points_off_lattice_ = 0;
-  TraceRays trace_;
+  RayKernels kernels_;
   ScanMarks marks_;
   BlockStore blocks_;
-  RayEnds ends_m_;
+  RayEnds ends_m_;    // of a scan: its hits, then rays that go on beyond the range
+  RayEnds beyond_m_;  // the latter alone
   RayEnds some_ends_m_;
   std::vector<Hit> hits_;
   std::vector<Eigen::Vector3f> origins_m_;

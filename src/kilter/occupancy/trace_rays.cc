@@ -7,6 +7,7 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <cstring>
 #include <limits>
 
 #include "kilter/base/vector_target.h"
@@ -66,40 +67,31 @@ struct Lanes {
   std::uint64_t flip[kMostLanes];  // the bits of all axes on which the ray goes down
 };
 
-// Lengths and the number of steps from the origin's voxel, for rays [first, first + kChunk) of the scan; then sorts
-// them by that number into `rays`, without those that end where they begin.
-void fill_chunk(const Fan& fan, const RayEnds& ends_m, std::size_t first, Chunk& rays) {
-  const std::size_t count = std::min(kChunk, ends_m.count - first);
-  const float* const x = ends_m.x.data() + first;
-  const float* const y = ends_m.y.data() + first;
-  const float* const z = ends_m.z.data() + first;
-  std::array<float, kChunk> length_m{};
-  std::array<std::int32_t, kChunk> steps{};
-  std::int32_t most = 0;
-  for (std::size_t i = 0; i < count; ++i) {
-    const float dx = x[i] - fan.origin_m.x();
-    const float dy = y[i] - fan.origin_m.y();
-    const float dz = z[i] - fan.origin_m.z();
-    length_m[i] = std::sqrt(dx * dx + dy * dy + dz * dz);
-    const auto voxels_off = [&](float end, int axis) {
-      return std::abs(whole_below(end * fan.per_metre) - fan.first[axis]);
-    };
-    steps[i] = voxels_off(x[i], 0) + voxels_off(y[i], 1) + voxels_off(z[i], 2);
-    most = std::max(most, steps[i]);
-  }
+// What is known of a chunk's rays before they are sorted.
+struct Unsorted {
+  float length_m[kChunk + kMostLanes];
+  std::int32_t steps[kChunk + kMostLanes];  // from the origin's voxel
+};
+
+// Sorts rays [first, first + count) of the scan by how many steps they take into `rays`, without those that end where
+// they begin.
+void sort_chunk(const RayEnds& ends_m, std::size_t first, std::size_t count, const Unsorted& known, Chunk& rays) {
+  const std::int32_t most = *std::max_element(known.steps, known.steps + count);
   constexpr int kBuckets = 256;
   const int shift = std::max(static_cast<int>(std::bit_width(static_cast<std::uint32_t>(most))) - 8, 0);
   std::array<std::uint32_t, kBuckets + 1> begins{};
-  for (std::size_t i = 0; i < count; ++i) begins[static_cast<std::size_t>(steps[i] >> shift) + 1] += steps[i] != 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    begins[static_cast<std::size_t>(known.steps[i] >> shift) + 1] += known.steps[i] != 0;
+  }
   for (std::size_t b = 0; b < kBuckets; ++b) begins[b + 1] += begins[b];
   rays.count = static_cast<int>(begins[kBuckets]);
   for (std::size_t i = 0; i < count; ++i) {
-    if (steps[i] == 0) continue;
-    const std::size_t to = begins[static_cast<std::size_t>(steps[i] >> shift)]++;
-    rays.x[to] = x[i];
-    rays.y[to] = y[i];
-    rays.z[to] = z[i];
-    rays.length_m[to] = length_m[i];
+    if (known.steps[i] == 0) continue;
+    const std::size_t to = begins[static_cast<std::size_t>(known.steps[i] >> shift)]++;
+    rays.x[to] = ends_m.x[first + i];
+    rays.y[to] = ends_m.y[first + i];
+    rays.z[to] = ends_m.z[first + i];
+    rays.length_m[to] = known.length_m[i];
   }
   // What is left of the last register repeats the last ray: marks are the same.
   if (rays.count == 0) return;
@@ -153,31 +145,36 @@ void trace_one(const Fan& fan, const Eigen::Vector3f& end_m, ScanMarks& marks) {
   } while (voxel != last && next_m.minCoeff() <= length_m);
 }
 
+void trace_one_by_one(const Eigen::Vector3f& origin_m, const RayEnds& ends_m, double resolution_m, ScanMarks& marks) {
+  const Fan fan(origin_m, resolution_m);
+  for (std::size_t i = 0; i < ends_m.count; ++i) trace_one(fan, ends_m[i], marks);
+}
+
+void mark_one_by_one(const RayEnds& ends_m, std::size_t count, double resolution_m, ScanMarks& marks) {
+  for (std::size_t i = 0; i < count; ++i) {
+    marks.mark(voxel_at(ends_m[i].cast<double>(), resolution_m), ScanMarks::kHit);
+  }
+}
+
 }  // namespace
 
 void RayEnds::clear_for(std::size_t most) {
   count = 0;
-  for (std::vector<float>* column : {&x, &y, &z}) column->resize(std::max(column->size(), most));
+  for (std::vector<float>* column : {&x, &y, &z}) column->resize(std::max(column->size(), most + kMostLanes));
 }
 
-TraceRays trace_rays_with(VectorPath path) {
+RayKernels ray_kernels(VectorPath path) {
 #if defined(__x86_64__)
-  if (path == VectorPath::kAvx512) return avx512::trace;
-  if (path == VectorPath::kAvx2) return avx2::trace;
+  if (path == VectorPath::kAvx512) return avx512::kKernels;
+  if (path == VectorPath::kAvx2) return avx2::kKernels;
 #elif defined(__aarch64__)
-  if (path == VectorPath::kNeon) return neon::trace;
+  if (path == VectorPath::kNeon) return neon::kKernels;
 #else
   static_cast<void>(path);
 #endif
-  return trace_rays_one_by_one;
+  return ray_kernels_one_by_one();
 }
 
-void trace_rays_one_by_one(const Eigen::Vector3f& origin_m, const RayEnds& ends_m, double resolution_m,
-                           ScanMarks& marks) {
-  const Fan fan(origin_m, resolution_m);
-  for (std::size_t i = 0; i < ends_m.count; ++i) {
-    trace_one(fan, {ends_m.x[i], ends_m.y[i], ends_m.z[i]}, marks);
-  }
-}
+RayKernels ray_kernels_one_by_one() { return {trace_one_by_one, mark_one_by_one}; }
 
 }  // namespace kilter
