@@ -117,8 +117,12 @@ PartMotion motion_of(std::span<const PlaneResidual> part, const PairGrain& grain
   const Residuals& settled = belief > 0.0 ? after : before;
   const NormalEquations equations = build_normal_equations(settled);
   const ObservableSplit split = split_observable(equations, settled);
-  const Matrix6 covariance = patch_covariance(settled, equations, split, kPatch_m, kPlanePatchVoxels * resolution_m) +
-                             cell_covariance(settled, equations, split, grain.variance_m2);
+  const Matrix6 about_weighted =
+      patch_covariance(settled, equations, split, kPatch_m, kPlanePatchVoxels * resolution_m) +
+      cell_covariance(settled, equations, split, grain.variance_m2);
+  Matrix6 to_centre = Matrix6::Identity();
+  to_centre.topRightCorner<3, 3>() = -skew(centre_m - equations.centre_m);
+  const Matrix6 covariance = to_centre * about_weighted * to_centre.transpose();
   const Matrix6 M = displacement_form(Eigen::Vector3d::Zero(), scatter_about(part, centre_m));
   const Matrix6 MC = M * covariance;
   if (belief == 0.0) motion.setZero();

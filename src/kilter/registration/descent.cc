@@ -34,13 +34,8 @@ bool out_of_range(const Pose3& start, const Pose3& now, const Eigen::Vector3d& c
 Descent descend(PlanePair& pair, const Pose3& start, const RegistrationOptions& options, double range_m,
                 const HeldMotions& held) {
   const auto max_points = static_cast<std::size_t>(options.max_points);
-  // How many voxels one residual stands for: the gate counts voxels, of either submap.
-  const double per_residual =
-      std::max(1.0, static_cast<double>(pair.source_map().voxels().size()) / options.max_points);
-  const auto enough = [&](std::size_t count) {
-    return 0.5 * static_cast<double>(count) * per_residual >= options.min_matches * pair.grain.voxels_per_cell &&
-           count >= kFewestResiduals;
-  };
+  // The gate counts voxels, of either submap.
+  const double least_voxels = 2.0 * options.min_matches * pair.grain.voxels_per_cell;
   const double last_search_m = final_search_m(pair.grain, options);
   const double final_kernel_m = kFinalKernelVoxels * pair.grain.edge_m;
   Descent descent;
@@ -53,8 +48,8 @@ Descent descend(PlanePair& pair, const Pose3& start, const RegistrationOptions& 
     ++descent.iterations;
     ++level_iterations;
     const bool last_level = search_m <= last_search_m;
-    match_planes(pair, descent.T, search_m, max_points, residuals);
-    if (!enough(residuals.size())) return descent;
+    const std::size_t voxels = match_planes(pair, descent.T, search_m, max_points, residuals);
+    if (static_cast<double>(voxels) < least_voxels || residuals.size() < kFewestResiduals) return descent;
     apply_kernel(residuals, last_level ? final_kernel_m : kKernelOfSearch * search_m);
     const NormalEquations equations = build_normal_equations(residuals);
     const ObservableSplit split = held.empty() ? split_observable(equations, residuals) : split_beside(equations, held);

@@ -186,7 +186,7 @@ Matrix6 cell_covariance(std::span<const PlaneResidual> residuals, const NormalEq
   if (variance_m2 == 0.0) return Matrix6::Zero();
   const Matrix6 along =
       0.5 * (pulls_of(planes_of(residuals, equations, 0.0)) + pulls_of(planes_of(residuals, equations, 0.5)));
-  const Matrix6 slanted = pulls_of(patches_of(residuals, equations, kSlant_m));
+  const Matrix6 slanted = pulls_of(surfaces_of(residuals, equations, kSlant_m));
   return solved_covariance(equations, split, variance_m2 * ((1.0 - kSlantShare) * along + kSlantShare * slanted));
 }
 
@@ -200,15 +200,15 @@ Matrix6 blur_covariance(const NormalEquations& equations, const ObservableSplit&
 
 Matrix6 prior_covariance(const NormalEquations& equations, const ObservableSplit& split, double prior_translation_m,
                          double prior_rotation_rad) {
-  Matrix6 covariance = Matrix6::Zero();
-  for (int k = 0; k < split.unobservable; ++k) {
-    // The prior belongs to (v, w); a scaled unit direction moves by this much of each.
-    const Vector6 moved = equations.unscale * split.directions.col(k);
-    const double in_priors = moved.head<3>().squaredNorm() / (prior_translation_m * prior_translation_m) +
-                             moved.tail<3>().squaredNorm() / (prior_rotation_rad * prior_rotation_rad);
-    covariance += moved * moved.transpose() / in_priors;
-  }
-  return covariance;
+  if (split.unobservable == 0) return Matrix6::Zero();
+  // The prior belongs to (v, w). Of directions that are free together any basis is as good as another.
+  const Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, 6> free =
+      equations.unscale * split.directions.leftCols(split.unobservable);
+  Vector6 deviations;
+  deviations << Eigen::Vector3d::Constant(prior_translation_m), Eigen::Vector3d::Constant(prior_rotation_rad);
+  const auto in_priors = (deviations.cwiseInverse().asDiagonal() * free).eval();
+  const auto information = (in_priors.transpose() * in_priors).eval();
+  return free * information.ldlt().solve(free.transpose());
 }
 
 std::size_t count_below(std::span<const PlaneResidual> residuals, double limit_m) {

@@ -213,6 +213,24 @@ TEST(PriorCovariance, UnobservableDirectionsHoldThePrior) {
   EXPECT_LT(std::sqrt(covariance(1, 1)), 0.02);
 }
 
+// A floor alone leaves two shifts and a turn free, and solvers any basis of the three.
+TEST(PriorCovariance, DoesNotDependOnHowFreeDirectionsAreMixed) {
+  const auto residuals = box_residuals({}, {false, false, true}, 0.01, 4);
+  const NormalEquations equations = build_normal_equations(residuals);
+  ObservableSplit split = split_observable(equations, residuals);
+  ASSERT_EQ(split.unobservable, 3);
+  for (const double angle : {0.0, 0.4, 0.8}) {
+    ObservableSplit mixed = split;
+    mixed.directions.leftCols(3) *=
+        Eigen::AngleAxisd(angle, Eigen::Vector3d(1.0, 2.0, -0.5).normalized()).toRotationMatrix();
+    const Matrix6 covariance = prior_covariance(equations, mixed, 0.7, 0.03);
+    EXPECT_NEAR(std::sqrt(covariance(0, 0)), 0.7, 0.01) << angle;
+    EXPECT_NEAR(std::sqrt(covariance(1, 1)), 0.7, 0.01) << angle;
+    EXPECT_NEAR(std::sqrt(covariance(5, 5)), 0.03, 0.001) << angle;
+    EXPECT_LT(std::abs(covariance(0, 5)), 0.01 * 0.7 * 0.03) << angle;
+  }
+}
+
 TEST(CovarianceInSource, AgreesWithSampling) {
   Rng rng(9, 0);
   const Pose3 T(Eigen::Quaterniond(Eigen::AngleAxisd(0.8, Eigen::Vector3d(1, 2, 0.5).normalized())), {3.0, -1.0, 2.0});

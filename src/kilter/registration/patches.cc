@@ -103,6 +103,16 @@ std::vector<Patch> patches_of(std::span<const PlaneResidual> residuals, const No
   return sums.take(equations.unscale);
 }
 
+std::vector<Patch> surfaces_of(std::span<const PlaneResidual> residuals, const NormalEquations& equations,
+                               double cell_m) {
+  PatchSums sums;
+  for (const PlaneResidual& either : residuals) {
+    const PlaneResidual r = from_one_side(either);
+    sums.add(patch_key_of(r, equations.centre_m, cell_m), r, equations.centre_m);
+  }
+  return sums.take(equations.unscale);
+}
+
 std::vector<std::uint32_t> patch_numbers(std::span<const PlaneResidual> residuals, const Eigen::Vector3d& centre_m,
                                          double cell_m) {
   KeyNumbers numbers;

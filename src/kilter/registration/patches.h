@@ -24,6 +24,11 @@ struct Patch {
 [[nodiscard]] std::vector<Patch> patches_of(std::span<const PlaneResidual> residuals, const NormalEquations& equations,
                                             double cell_m);
 
+/// The same where a surface is one patch although it is matched both ways, from its two sides: what is off is off for
+/// both. (patches_of makes two of it; the shares that its users multiply by were chosen so.)
+[[nodiscard]] std::vector<Patch> surfaces_of(std::span<const PlaneResidual> residuals, const NormalEquations& equations,
+                                             double cell_m);
+
 /// Edge of the cells that disagreements are taken over. [m]
 inline constexpr double kPlace_m = 0.3;
 

@@ -44,6 +44,18 @@ TEST(Patches, AddUpToTheNormalEquations) {
   }
 }
 
+TEST(Patches, ASurfaceMatchedFromBothSidesIsOneAndPullsTwice) {
+  const Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
+  const std::vector<PlaneResidual> residuals = {{{0.0, 0.1, 0.0}, up, 0.01, 1.0}, {{0.0, -0.1, 0.0}, -up, -0.01, 1.0}};
+  const NormalEquations equations = build_normal_equations(residuals);
+  const std::vector<Patch> sides = patches_of(residuals, equations, 2.0);  // the lower one first
+  const std::vector<Patch> surfaces = surfaces_of(residuals, equations, 2.0);
+  ASSERT_EQ(sides.size(), 2U);
+  ASSERT_EQ(surfaces.size(), 1U);
+  EXPECT_NEAR((surfaces[0].pull - (sides[1].pull - sides[0].pull)).norm(), 0.0, 1e-12);
+  EXPECT_NEAR((surfaces[0].gradient - equations.gradient).norm(), 0.0, 1e-12);
+}
+
 TEST(Patches, AreThePointsOfACellThatFaceAlike) {
   const Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
   const Eigen::Vector3d aside = Eigen::Vector3d::UnitX();

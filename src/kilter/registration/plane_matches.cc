@@ -26,8 +26,9 @@ struct Strides {
 
 // Both ways, so that it does not matter which of the two is called the source. A target point q lies off a source
 // plane by (R n) . (q - T c); moving the source moves that plane, hence the turned direction.
-void match_both_ways(PlanePair& pair, const Pose3& T_target_source, double search_m, const Strides& strides,
-                     std::vector<PlaneResidual>& residuals, const MotionOfPlace& shift = {}) {
+// \return how many voxels the residuals stand for.
+std::size_t match_both_ways(PlanePair& pair, const Pose3& T_target_source, double search_m, const Strides& strides,
+                            std::vector<PlaneResidual>& residuals, const MotionOfPlace& shift = {}) {
   residuals.clear();
   residuals.reserve(pair.source_map().voxels().size() / strides.source +
                     pair.target_map().voxels().size() / strides.target + 2);
@@ -48,6 +49,7 @@ void match_both_ways(PlanePair& pair, const Pose3& T_target_source, double searc
     residuals[i].direction = -(T.linear() * residuals[i].direction);
     std::swap(residuals[i].source_at, residuals[i].target_at);
   }
+  return forward * strides.source + (residuals.size() - forward) * strides.target;
 }
 
 Strides strides_of(const PlanePair& pair, std::size_t max_points) {
@@ -197,9 +199,9 @@ std::vector<PlaneResidual> match_planes(PlanePair& pair, const Pose3& T_target_s
   return residuals;
 }
 
-void match_planes(PlanePair& pair, const Pose3& T_target_source, double search_m, std::size_t max_points,
-                  std::vector<PlaneResidual>& residuals) {
-  match_both_ways(pair, T_target_source, search_m, strides_of(pair, max_points), residuals);
+std::size_t match_planes(PlanePair& pair, const Pose3& T_target_source, double search_m, std::size_t max_points,
+                         std::vector<PlaneResidual>& residuals) {
+  return match_both_ways(pair, T_target_source, search_m, strides_of(pair, max_points), residuals);
 }
 
 std::vector<PlaneResidual> match_every(PlanePair& pair, const Pose3& T_target_source, double search_m,

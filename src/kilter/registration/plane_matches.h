@@ -56,9 +56,10 @@ void match_voxels(const VoxelMap& from, std::span<const std::uint32_t> voxels, R
 [[nodiscard]] std::vector<PlaneResidual> match_planes(PlanePair& pair, const Pose3& T_target_source, double search_m,
                                                       std::size_t max_points, const MotionOfPlace& shift = {});
 
-/// The same in place of what `residuals` held, whose memory serves again.
-void match_planes(PlanePair& pair, const Pose3& T_target_source, double search_m, std::size_t max_points,
-                  std::vector<PlaneResidual>& residuals);
+/// The same in place of what `residuals` held, whose memory serves again. \return how many voxels they stand for, of
+/// both submaps, since of a large one only some are asked.
+std::size_t match_planes(PlanePair& pair, const Pose3& T_target_source, double search_m, std::size_t max_points,
+                         std::vector<PlaneResidual>& residuals);
 
 /// The same, of every `stride`-th voxel of both.
 [[nodiscard]] std::vector<PlaneResidual> match_every(PlanePair& pair, const Pose3& T_target_source, double search_m,

@@ -43,6 +43,33 @@ TEST(AlignSubmaps, PointToPlaneFindsTheTruthFromDriftedStarts) {
   }
 }
 
+// A large map and a corner of it: whether enough of them meets does not depend on which is called the source.
+TEST(AlignSubmaps, TheGateDoesNotAskWhichIsTheSource) {
+  const auto walls = [](double x_m, double y_m, double z_m) {
+    std::vector<Eigen::Vector3d> points;
+    const auto add = [&](const Eigen::Vector3d& along, const Eigen::Vector3d& up, const Eigen::Vector2d& size_m) {
+      for (double a = 0.02; a < size_m.x(); a += 0.05) {
+        for (double b = 0.02; b < size_m.y(); b += 0.05) points.emplace_back(a * along + b * up);
+      }
+    };
+    add(Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitY(), {x_m, y_m});
+    add(Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitZ(), {x_m, z_m});
+    add(Eigen::Vector3d::UnitY(), Eigen::Vector3d::UnitZ(), {y_m, z_m});
+    MapBuilder builder({.resolution_m = 0.1});
+    builder.insert_points(points);
+    return builder.finish();
+  };
+  const VoxelMap hall = walls(24.0, 20.0, 8.0);
+  const VoxelMap corner = walls(0.9, 0.9, 0.9);
+  ASSERT_GT(hall.voxels().size(), 36000U);
+  const NearestVoxelSearch large(hall, VoxelPosition::kCentroid, 1.0);
+  const NearestVoxelSearch small(corner, VoxelPosition::kCentroid, 1.0);
+  const RegistrationResult small_onto_large = align_submaps(small, large, {}, {}, {});
+  const RegistrationResult large_onto_small = align_submaps(large, small, {}, {}, {});
+  EXPECT_EQ(to_string(small_onto_large.stop), to_string(large_onto_small.stop));
+  EXPECT_TRUE(large_onto_small.converged());
+}
+
 // A hall of 48 by 6 m with cupboards at uneven distances, seen 5 m far every 4 m; the map has the robot off to its left
 // by as much as `left_m` says for each scan.
 Submap hall_seen_along(const std::vector<double>& left_m, std::uint64_t seed) {

@@ -79,9 +79,7 @@ SlideContrast slide_contrast(PlanePair& pair, const Pose3& T_target_source, cons
   const PointsToSlide of_source = points_to_slide(pair.source_map(), T_target_source, motion);
   const PointsToSlide of_target = points_to_slide(pair.target_map(), Pose3(), motion);
   const auto fitting_after = [&](double slide_m) {
-    Vector6 turn = Vector6::Zero();
-    turn.tail<3>() = slide_m * motion.tail<3>();
-    const Pose3 T = Pose3(Pose3::exp(turn).rotation(), slide_m * motion.head<3>()) * T_target_source;
+    const Pose3 T = Pose3::exp(slide_m * motion) * T_target_source;
     const Fit forward = fit_of(of_source, pair.in_target, T, pair.grain);
     const Fit backward = fit_of(of_target, pair.in_source, T.inverse(), pair.grain);
     return Fit{forward.fitting + backward.fitting, forward.met + backward.met};

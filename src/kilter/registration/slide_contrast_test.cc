@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "kilter/occupancy/map_builder.h"
 #include "testing/scenes.h"
 
 namespace kilter {
@@ -93,6 +94,33 @@ TEST(SlideContrast, SwappingTheRolesChangesLittle) {
   // The vertical is the same in both frames.
   const double backward = contrast_along(swapped, swapped.T_target_source, Eigen::Vector3d::UnitZ()).contrast;
   EXPECT_NEAR(backward / forward, 1.0, 0.1);
+}
+
+// Submaps may have their origin anywhere: a turn about a place far from it is the same turn.
+TEST(SlideContrast, DoesNotDependOnWhereTheOriginIs) {
+  Scene scene = testing::bare_corridor();
+  scene.push_back({{7.0, 0.6, 0.0}, {7.6, 1.4, 3.0}});
+  std::vector<double> contrasts;
+  for (const double away_m : {0.0, 300.0}) {
+    const auto map_from = [&](double x_m, std::uint64_t seed) {
+      const Pose3 moved = pose_at(away_m + x_m, 0.1, 1.04, 0.0);
+      std::vector<Eigen::Vector3d> points = testing::scan(scene, pose_at(x_m, 0.1, 1.04, 0.0), 0.01, seed);
+      for (Eigen::Vector3d& point : points) point = moved * point;
+      MapBuilder builder({.resolution_m = 0.1});
+      builder.insert_scan(points, moved.translation_m());
+      return builder.finish();
+    };
+    const VoxelMap first = map_from(0.03, 1);
+    const VoxelMap second = map_from(3.03, 2);
+    const NearestVoxelSearch target(first, VoxelPosition::kCentroid, 1.0);
+    const NearestVoxelSearch source(second, VoxelPosition::kCentroid, 1.0);
+    PlanePair both{source, target};
+    Vector6 motion;
+    motion.tail<3>() = Eigen::Vector3d(0.0, 0.0, 0.25);
+    motion.head<3>() = -motion.tail<3>().cross(Eigen::Vector3d(away_m + 4.0, 0.0, 1.5));
+    contrasts.push_back(slide_contrast(both, {}, motion).contrast);
+  }
+  EXPECT_NEAR(contrasts[1] / contrasts[0], 1.0, 0.1) << contrasts[0];
 }
 
 TEST(SlideContrast, KeepsWithinAShortReach) {

@@ -71,7 +71,9 @@ void describe_uncertainty(std::span<const PlaneResidual> places, const NormalEqu
       result.covariance_measured + prior_covariance(equations, split, prior.translation_m, prior.rotation_rad);
   result.covariance = covariance_in_source(result.covariance_centre, equations.centre_m, result.T_target_source);
   for (int k = 0; k < split.unobservable; ++k) {
-    result.unobservable.emplace_back((equations.unscale * split.directions.col(k)).normalized());
+    Vector6 twist = equations.unscale * split.directions.col(k);
+    twist.head<3>() += twist.tail<3>().cross(result.places_arm_m);
+    result.unobservable.push_back(twist.normalized());
   }
 }
 

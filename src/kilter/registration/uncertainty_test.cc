@@ -6,6 +6,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <vector>
+
 namespace kilter {
 namespace {
 
@@ -50,6 +53,28 @@ TEST(ConstraintCovariance, PlacesOnALineLeaveTheTurnAroundItOpenAndNothingInfini
   ASSERT_TRUE(covariance.allFinite());
   EXPECT_EQ(covariance.llt().info(), Eigen::Success);
   EXPECT_GT(covariance(3, 3), 100.0 * covariance(5, 5));
+}
+
+// In a silo nothing fixes the turn about its axis. It is named where the places are, not where the pose is fixed from.
+TEST(DescribeUncertainty, NamesTwistsAboutTheMiddleOfThePlaces) {
+  const Eigen::Vector3d axis_m(10.0, 4.0, 0.0);
+  std::vector<PlaneResidual> silo;
+  for (int i = 0; i < 3600; ++i) {
+    const double angle = 0.01745 * (i % 360);
+    const Eigen::Vector3d inwards(-std::cos(angle), -std::sin(angle), 0.0);
+    const Eigen::Vector3d at_m = axis_m - 3.0 * inwards + Eigen::Vector3d(0.0, 0.0, 0.3 * (i / 360));
+    silo.push_back({at_m, i % 5 == 0 ? Eigen::Vector3d::UnitZ().eval() : inwards, 0.0, at_m.x() < 10.0 ? 1.0 : 0.2});
+  }
+  const NormalEquations equations = build_normal_equations(silo);
+  RegistrationResult result;
+  describe_uncertainty(silo, equations, split_observable(equations, silo), {}, result);
+  ASSERT_EQ(result.unobservable.size(), 1U);
+  EXPECT_GT(result.places_arm_m.norm(), 0.5);
+  const Vector6& twist = result.unobservable[0];
+  const Eigen::Vector3d turn = twist.tail<3>();
+  const Eigen::Vector3d arm_m = equations.centre_m + result.places_arm_m - axis_m;
+  EXPECT_LT((twist.head<3>() - turn.cross(arm_m)).norm(), 0.01);
+  EXPECT_GT(turn.norm(), 0.5);
 }
 
 }  // namespace

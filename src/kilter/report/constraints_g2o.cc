@@ -12,7 +12,7 @@
 namespace kilter {
 namespace {
 
-// Variances of 1e-8 m^2 beside 1e2 m^2 are real; beyond this ratio the inverse is mostly rounding.
+// Of correlations, whose units and size do not count: beyond this ratio of eigenvalues the inverse is mostly rounding.
 constexpr double kMinConditionInverse = 1e-13;
 
 std::string pose_text(const Pose3& pose) {
@@ -59,9 +59,14 @@ std::optional<Matrix6> information_for(G2oDialect dialect, const Matrix6& covari
     J.bottomRightCorner<3, 3>() = -R;
   }
   const Matrix6 sigma = J * (0.5 * (covariance + covariance.transpose())) * J.transpose();
-  const Vector6 values = Eigen::SelfAdjointEigenSolver<Matrix6>(sigma, Eigen::EigenvaluesOnly).eigenvalues();
+  if (!(sigma.diagonal().minCoeff() > 0.0)) return std::nullopt;
+  // A turn that nothing fixes about a place far from the origin makes variances of square kilometres beside those of
+  // square millimetres, all of them well known.
+  const auto scale = sigma.diagonal().cwiseSqrt().cwiseInverse().asDiagonal();
+  const Matrix6 correlations = scale * sigma * scale;
+  const Vector6 values = Eigen::SelfAdjointEigenSolver<Matrix6>(correlations, Eigen::EigenvaluesOnly).eigenvalues();
   if (!(values[0] > 0.0) || values[0] < kMinConditionInverse * values[5]) return std::nullopt;
-  const Matrix6 inverse = sigma.ldlt().solve(Matrix6::Identity());
+  const Matrix6 inverse = scale * correlations.ldlt().solve(Matrix6(scale));
   const Matrix6 information = 0.5 * (inverse + inverse.transpose());
   const Matrix6 written = dialect == G2oDialect::kCeres ? weighed_by_lower_root(information) : information;
   return written.allFinite() ? std::optional(written) : std::nullopt;

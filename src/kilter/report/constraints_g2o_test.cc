@@ -149,8 +149,25 @@ TEST(ConstraintsG2o, CovariancesThatCannotBeInvertedGiveNoInformation) {
   EXPECT_FALSE(information_for(G2oDialect::kG2o, covariance, {}));
   covariance(3, 3) = std::numeric_limits<double>::infinity();
   EXPECT_FALSE(information_for(G2oDialect::kG2o, covariance, {}));
-  covariance(3, 3) = 1e-18;
+  covariance(3, 3) = 1.0;
+  covariance(3, 4) = covariance(4, 3) = 1.0;
   EXPECT_FALSE(information_for(G2oDialect::kG2o, covariance, {}));
+}
+
+// Millimetres about a place a kilometre from the source's origin, and a heading that nothing fixes.
+TEST(ConstraintsG2o, AFreeTurnFarFromTheOriginStillMakesAnEdge) {
+  const double free_rad = 0.03;
+  Vector6 variances;
+  variances << 1e-6, 1e-6, 1e-6, 1e-8, 1e-8, free_rad * free_rad;
+  Matrix6 moved = Matrix6::Identity();
+  moved.topRightCorner<3, 3>() = skew({1000.0, 200.0, 0.0});  // v at the origin = v there + c x w
+  const Matrix6 covariance = moved * variances.asDiagonal() * moved.transpose();
+  const auto information = information_for(G2oDialect::kGtsam, covariance, {});
+  ASSERT_TRUE(information);
+  for (int axis = 0; axis < 6; ++axis) {
+    const Vector6 step = std::sqrt(variances[axis]) * moved.col(axis);
+    EXPECT_NEAR(step.dot(*information * step), 1.0, 1e-3) << axis;
+  }
 }
 
 TEST(ConstraintsG2o, HoldsAVertexPerSubmapAndAnEdgePerTrustedPair) {

@@ -60,8 +60,8 @@ OffsetEstimate estimate_offset(const RegistrationResult& registration, const Pos
   OffsetEstimate estimate;
   estimate.offset_m = std::sqrt(x.dot(M * x));
   estimate.offset_rad = x.tail<3>().norm();
-  const Eigen::Vector3d turn = x.tail<3>();
-  estimate.vector_m = x.head<3>() + turn.cross(registration.places_arm_m);
+  const Eigen::Vector3d places_m = registration.centre_target_m + registration.places_arm_m;
+  estimate.vector_m = places_m - moved.inverse() * places_m;
   estimate.measured = square_law(x, M, registration.covariance_measured);
   estimate.with_prior = square_law(x, M, registration.covariance_centre);
   const double largest_m = largest_sigma_m(M, registration.covariance_measured);

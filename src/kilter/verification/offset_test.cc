@@ -46,6 +46,14 @@ TEST(EstimateOffset, PlacesBesideTheCentreMoveWithTheTurn) {
   EXPECT_NEAR(estimate_offset(result, {}).offset_m, 0.1, 1e-3);
 }
 
+TEST(EstimateOffset, TheVectorIsExactForLargeTurns) {
+  const Pose3 moved(Eigen::Quaterniond(Eigen::AngleAxisd(0.6, Eigen::Vector3d::UnitZ())), {0.4, -0.2, 0.1});
+  RegistrationResult result = registered(moved, 0.01, 0.001);
+  result.places_arm_m = {2.0, -1.0, 0.3};
+  const Eigen::Vector3d place_m = result.centre_target_m + result.places_arm_m;
+  EXPECT_NEAR((moved.inverse() * place_m + estimate_offset(result, {}).vector_m - place_m).norm(), 0.0, 1e-12);
+}
+
 TEST(EstimateOffset, RotationCountsByTheSpreadOfThePlaces) {
   // Turn about the vertical through the overlap's centre: mean square arm from that axis is 9 + 4.
   const Eigen::Vector3d centre(5.0, 1.0, 0.5);
