@@ -71,6 +71,16 @@ class RegisterTest(unittest.TestCase):
         self.assertEqual(said["unobservable"], [])
         self.assertLess(said["ambiguity"], 0.7)
 
+    def test_what_is_bent_is_not_said_to_be_known_to_millimetres(self):
+        hall = [(2 * x, 2 * y, z) for x, y, z in room()]
+        write_bin(self.root / "hall.bin", hall)
+        write_bin(self.root / "bent.bin", [(x, y + (0.5 if x > 9 else 0.0), z) for x, y, z in hall])
+        both = self.root / "hall.bin", self.root / "bent.bin"
+        said = json.loads(run_kilter("register", *both, "--json").stdout)
+        self.assertGreater(said["bend_m"], 0.1)
+        self.assertGreater(math.sqrt(said["covariance"][7]), 0.1)
+        self.assertIn("stay apart whatever the pose", run_kilter("register", *both).stdout)
+
     def test_writes_the_aligned_cloud(self):
         path = self.root / "aligned.ply"
         self.assertEqual(self.register("-o", path).status, 0)

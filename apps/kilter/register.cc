@@ -24,8 +24,10 @@
 #include "kilter/io/octree_reader.h"
 #include "kilter/io/usable_points.h"
 #include "kilter/pipeline/register_clouds.h"
+#include "kilter/registration/uncertainty.h"
 #include "kilter/report/cloud_ply.h"
 #include "kilter/report/json_writer.h"
+#include "kilter/verification/judge.h"
 
 namespace kilter::app {
 namespace {
@@ -47,7 +49,12 @@ std::array<double, 7> numbers_of(const Pose3& pose) {
   return {t.x(), t.y(), t.z(), q.x(), q.y(), q.z(), q.w()};
 }
 
-std::string as_json(const PairEvidence& pair) {
+// With the bend in it where one rigid motion does not mend the pair, as in what check hands on.
+Matrix6 covariance_of(const RegistrationResult& registration, bool rigid) {
+  return constraint_covariance(registration, rigid, 1.0);
+}
+
+std::string as_json(const PairEvidence& pair, bool rigid) {
   const RegistrationResult& r = *pair.registration;
   JsonWriter json;
   json.open_object().field("schema", "kilter.registration/1").field("converged", r.converged());
@@ -70,7 +77,7 @@ std::string as_json(const PairEvidence& pair) {
   }
   json.key("covariance");
   if (r.converged()) {
-    const Eigen::Matrix<double, 6, 6, Eigen::RowMajor> rows = r.covariance;
+    const Eigen::Matrix<double, 6, 6, Eigen::RowMajor> rows = covariance_of(r, rigid);
     json.value(std::span<const double>(rows.data(), 36));
   } else {
     json.null();
@@ -78,7 +85,7 @@ std::string as_json(const PairEvidence& pair) {
   return json.close().take();
 }
 
-std::string as_text(const PairEvidence& pair) {
+std::string as_text(const PairEvidence& pair, bool rigid) {
   const RegistrationResult& r = *pair.registration;
   if (!r.converged()) {
     return fmt::format("not registered: {} ({} matches)\n", to_string(r.stop), r.matches);
@@ -93,10 +100,14 @@ std::string as_text(const PairEvidence& pair) {
                       r.searched ? ", by the wide search" : "");
   text += fmt::format("matches          {} voxels, residual {:.1f} cm, overlap {:.0f} %\n", r.matches,
                       100.0 * r.residual_rms_m, 100.0 * pair.registered->overlap);
-  const Vector6 sigma = r.covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
+  const Vector6 sigma = covariance_of(r, rigid).diagonal().cwiseMax(0.0).cwiseSqrt();
   text += fmt::format("sigma            {:.1f} {:.1f} {:.1f} cm, {:.2f} {:.2f} {:.2f} deg along the source's axes\n",
                       100.0 * sigma[0], 100.0 * sigma[1], 100.0 * sigma[2], kDegrees * sigma[3], kDegrees * sigma[4],
                       kDegrees * sigma[5]);
+  if (!rigid) {
+    text += fmt::format("bend             {:.1f} cm stay apart whatever the pose: one of the two is bent inside\n",
+                        100.0 * r.bend.rms_m);
+  }
   if (pair.registered->conflict.known() > 0) {
     text += fmt::format("conflict         {:.1f} % of what both saw\n", 100.0 * pair.registered->conflict.share());
   }
@@ -188,7 +199,8 @@ int run_register(const RegisterCommand& command) {
       return exit_status_of_output(done.error().code);
     }
   }
-  const Expected<void> done = print_out(command.common.json ? as_json(evidence) : as_text(evidence));
+  const bool rigid = is_rigid(*evidence.registration, settings->check.judge);
+  const Expected<void> done = print_out(command.common.json ? as_json(evidence, rigid) : as_text(evidence, rigid));
   if (done) return kExitGood;
   print_error(done.error());
   return exit_status_of_output(done.error().code);

@@ -59,9 +59,9 @@ CloudPicture thinned_cloud(const SurfaceVoxels& voxels, std::size_t all_voxels, 
 // Surfaces within the margin of each other are one surface to the free-space picture, as in the measurement.
 std::uint8_t sample(const Eigen::Vector3d& at_m, const VoxelMap& map, NearestVoxelCursor& cursor, double max_distance_m,
                     double margin_m) {
-  const auto nearest = cursor.nearest(at_m, max_distance_m);
+  const auto nearest = cursor.nearest(at_m, std::max(max_distance_m, margin_m));
   std::uint8_t byte = SamplePicture::kNothing;
-  if (nearest) {
+  if (nearest && nearest->distance_m <= max_distance_m) {
     byte = static_cast<std::uint8_t>(std::lround(nearest->distance_m / max_distance_m * SamplePicture::kSteps));
   }
   const bool near_surface = nearest && nearest->distance_m <= margin_m;

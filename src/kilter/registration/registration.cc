@@ -18,7 +18,7 @@ std::vector<OptionField> fields(RegistrationOptions& o) {
                   "How far from the map's pose a second, wide search looks where the first one cannot be trusted; 0 "
                   "leaves it out."),
       count_option("registration_points", o.max_points, 100, 100000000,
-                   "Source voxels used while iterating; the end is judged on all of them."),
+                   "Voxels of each submap used while iterating, about; the end is judged on all of them."),
   };
 }
 

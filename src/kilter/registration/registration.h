@@ -56,7 +56,7 @@ struct RegistrationPrior {
 /// The aligned pose of one pair and how well it is known.
 struct RegistrationResult {
   StopReason stop = StopReason::kTooFewMatches;
-  Pose3 T_target_source;  ///< the start, if not converged
+  Pose3 T_target_source;  ///< the start, if nothing was aligned
   /// Where most surfaces meet. The same but where a submap is bent beyond noise: then T_target_source leaves the least
   /// apart of all that both saw, as a pose graph wants it, and here some of it meets. In between, the share of the step
   /// is taken by which the bend's square exceeds noise (Bend::noise_share).
@@ -88,8 +88,8 @@ struct RegistrationResult {
   Bend bend;  ///< what still lies apart at the end, of places at most search_distance_m from each other
   /// Not found from the map's pose but by the wide search, or where another pair's correction would put it.
   bool searched = false;
-  /// Voxels that a plane supports at the end, less what free-space conflict costs: what the wide search ranks poses by.
-  /// Known where it ran.
+  /// Voxels that a plane supports where the search ended, before it settles, less what free-space conflict costs: what
+  /// the wide search ranks poses by, where that of the map's own basin counts for a fifth more. Known where it ran.
   double worth = 0.0;
   /// Worth (support less conflict) of the next best distinct pose as a share of the best, where the wide search found
   /// one: near 1, the pair fits as well elsewhere. Absent if the wide search did not run.
