@@ -49,12 +49,13 @@ struct Fan {
 // register end at about the same time.
 constexpr std::size_t kChunk = 1024;
 constexpr std::size_t kMostLanes = 8;
+constexpr std::size_t kMostTogether = 16;
 
 struct Chunk {
-  float x[kChunk + kMostLanes];
-  float y[kChunk + kMostLanes];
-  float z[kChunk + kMostLanes];
-  float length_m[kChunk + kMostLanes];
+  float x[kChunk + kMostTogether];
+  float y[kChunk + kMostTogether];
+  float z[kChunk + kMostTogether];
+  float length_m[kChunk + kMostTogether];
   int count = 0;
 };
 
@@ -96,7 +97,7 @@ void sort_chunk(const RayEnds& ends_m, std::size_t first, std::size_t count, con
   // What is left of the last register repeats the last ray: marks are the same.
   if (rays.count == 0) return;
   for (float* const column : {rays.x, rays.y, rays.z, rays.length_m}) {
-    std::fill_n(column + rays.count, kMostLanes, column[rays.count - 1]);
+    std::fill_n(column + rays.count, kMostTogether, column[rays.count - 1]);
   }
 }
 

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <cmath>
 #include <map>
 #include <tuple>
 #include <vector>
@@ -71,6 +72,28 @@ TEST(TraceRays, EveryPathMarksTheSameVoxels) {
     for (const VectorPath path : vector_paths()) {
       EXPECT_TRUE(mark_all(ray_kernels(path)) == expected) << count << " rays, path " << static_cast<int>(path);
     }
+  }
+}
+
+// Places in the widest window that has a table take more than 32 bits.
+TEST(TraceRays, EveryPathMarksTheSameVoxelsInTheWidestWindows) {
+  const Eigen::Vector3f origin_m(1.0F, 2.0F, 3.0F);
+  RayEnds ends_m;
+  ends_m.clear_for(40);
+  for (int i = 0; i < 40; ++i) {
+    const double angle = 0.16 * i;
+    ends_m.add(origin_m + Eigen::Vector3d(190.0 * std::cos(angle), 190.0 * std::sin(angle), i - 20.0).cast<float>());
+  }
+  ScanMarks marks;
+  const auto mark_all = [&](const RayKernels& kernels) {
+    open_around(ends_m, origin_m, 0.1, marks);
+    kernels.trace(origin_m, ends_m, 0.1, marks);
+    return take_all(marks);
+  };
+  const std::map<Place, int> expected = mark_all(ray_kernels_one_by_one());
+  EXPECT_EQ(marks.window().total_bits(), ScanMarks::kMostDenseBits);
+  for (const VectorPath path : vector_paths()) {
+    EXPECT_TRUE(mark_all(ray_kernels(path)) == expected) << static_cast<int>(path);
   }
 }
 
