@@ -161,7 +161,14 @@ bool cells_hide_most(const OffsetEstimate& offset) {
   return offset.cells_sigma_m * offset.cells_sigma_m > 0.5 * uncertain_m2;
 }
 
-bool contradicted(const PairEvidence& pair) { return pair.registration->searched && pair.agreement.contradicted(); }
+// Neighbours beyond a slip rightly ask for something else, so a few that agree are enough where free space would speak
+// against the wrong aisle. Where there is none, those that fell into the same aisle are easily a few.
+bool contradicted(const PairEvidence& pair) {
+  const Agreement& agreement = pair.agreement;
+  const bool points_alone = pair.registered->conflict.known() == 0;
+  return pair.registration->searched &&
+         (agreement.contradicted() || (points_alone && agreement.contradicting > agreement.agreeing));
+}
 
 // Why the registered pose cannot be believed; empty if it can. Where the pose barely moved and a submap is bent,
 // conflict is what a bend looks like and no reason for doubt.

@@ -29,6 +29,7 @@ constexpr double kVoxelsOfAThing = 10.0;  // conflicting voxels come in things, 
 // Surfaces that lie apart stand in space that the other submap saw through, so a move in the right direction makes
 // conflict vanish. Where it makes some instead, the storey above, the ceiling or the next aisle is what fits, however
 // well. What moved in between conflicts either way, a little more here or there: then the gain has to be overwhelming.
+// So it has where there is no free space to ask: to points alone a wall's other face is the wall.
 constexpr double kLeastGainAgainstFreeSpace = 3.0;
 constexpr double kConflictMayGrow = 1.5;
 // Of what both saw, this much may have moved in between.
@@ -121,7 +122,8 @@ bool fit_improved(const PairEvidence& pair) {
   const double before = pair.map.conflict.share();
   const double after = pair.registered->conflict.share();
   if (after > kConflictMayGrow * before) return false;
-  if (conflict_grew(pair)) return support_grew(*pair.registration, kLeastGainAgainstFreeSpace);
+  const bool points_alone = pair.registered->conflict.known() == 0;
+  if (points_alone || conflict_grew(pair)) return support_grew(*pair.registration, kLeastGainAgainstFreeSpace);
   return support_grew(*pair.registration, conflict_went(pair) ? kLeastGainWithFreeSpace : kLeastGain);
 }
 
