@@ -112,9 +112,11 @@ class RegisterTest(unittest.TestCase):
         self.assertEqual(done.status, 3)
         self.assertIn("none.bin", done.stderr)
         names = "a file that ends in .bin, .pcd, .ply, .las, .ot or .bt"
-        (self.root / "notes.txt").write_text("")
+        for name in ("notes.txt", "scan.laz"):
+            (self.root / name).write_text("")
         for name, said in (("none", "not-found: {}: there is no such file or folder\n"),
                            ("none.ot", "not-found: {}: there is no such file or folder\n"),
+                           ("scan.laz", "unsupported: {}: this is a format that kilter does not read\n  try: decompress"),
                            ("notes.txt", f"unsupported: {{}}: expected {names}\n"),
                            (".", f"unsupported: {{}}: expected {names}, found a folder\n")):
             done = run_kilter("register", self.root / name, self.root / "source.bin")

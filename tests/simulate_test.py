@@ -93,6 +93,15 @@ class Simulate(unittest.TestCase):
             self.assertGreater(worst_m, 0.001)
             self.assertLess(worst_m, 0.15)
 
+    def test_recordings_are_not_replaced(self):
+        recorded = self.folder / "recorded" / "mission" / "robot" / "scans"
+        recorded.mkdir(parents=True)
+        (recorded / "000000.bin").write_bytes(b"what nobody has twice")
+        run = run_kilter("simulate", "tunnel", "-o", self.folder / "recorded", "--replace", *QUICK)
+        self.assertEqual(run.status, 2)
+        self.assertIn("left alone", run.stderr)
+        self.assertTrue((recorded / "000000.bin").exists())
+
     def test_an_earlier_mission_is_only_replaced_on_request(self):
         made = self.simulate("again", "tunnel", *QUICK)
         run = run_kilter("simulate", "tunnel", "-o", made, *QUICK)

@@ -12,6 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/kilter/staging_folder.h"
+#include "kilter/io/file.h"
 
 namespace kilter {
 namespace {
@@ -83,14 +84,25 @@ std::string scan_bytes(const SimulatedScan& scan, ScanFormat format) {
 }
 
 constexpr const char* kParts[] = {"truth", "mission"};
+constexpr const char* kFaultsSchema = "kilter.faults/1";
+
+// Recordings may stand in a folder of the same name.
+bool is_simulated(const fs::path& folder) {
+  const Expected<ByteBuffer> faults = read_file(folder / "truth" / "faults.json");
+  return faults && faults->view().find(kFaultsSchema) != std::string_view::npos;
+}
 
 Expected<void> check_folder(const MissionWriterOptions& options) {
   for (const char* part : kParts) {
     const fs::path path = options.folder / part;
     std::error_code status;
-    if (options.replace || !fs::exists(path, status)) continue;
-    return fail(ErrorCode::kUsage, "there is a mission already", printable(path.string()),
-                "choose another folder, or --replace");
+    if (!fs::exists(path, status) || (options.replace && is_simulated(options.folder))) continue;
+    return options.replace
+               ? fail(ErrorCode::kUsage,
+                      "this is no mission of simulate's, which has a truth/faults.json beside it; it is left alone",
+                      printable(path.string()), "choose another folder")
+               : fail(ErrorCode::kUsage, "there is a mission already", printable(path.string()),
+                      "choose another folder, or --replace");
   }
   return {};
 }
@@ -140,8 +152,7 @@ std::string faults_json(const SimulatedMission& mission, const std::string& scen
                       {"size_m", fault.size_m},
                       {"size_rad", fault.size_rad}});
   }
-  nlohmann::ordered_json document = {
-      {"schema", "kilter.faults/1"}, {"scene", scene}, {"seed", seed}, {"faults", faults}};
+  nlohmann::ordered_json document = {{"schema", kFaultsSchema}, {"scene", scene}, {"seed", seed}, {"faults", faults}};
   return document.dump(2) + "\n";
 }
 

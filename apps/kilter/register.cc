@@ -22,6 +22,7 @@
 #include "kilter/io/cloud_file.h"
 #include "kilter/io/file.h"
 #include "kilter/io/octree_reader.h"
+#include "kilter/io/sources/foreign_file.h"
 #include "kilter/io/usable_points.h"
 #include "kilter/pipeline/register_clouds.h"
 #include "kilter/registration/uncertainty.h"
@@ -125,6 +126,9 @@ Expected<void> check_name(const std::string& file) {
   const Expected<std::filesystem::file_type> type = type_at(file);
   if (!type) return pass_up(type.error());
   if (*type != std::filesystem::file_type::directory && (has_octree_name(file) || cloud_format_of(file))) return {};
+  if (const std::string way_out = way_out_of_foreign({{file}}); !way_out.empty()) {
+    return fail(ErrorCode::kUnsupported, "this is a format that kilter does not read", shown(file), way_out);
+  }
   const bool folder = *type == std::filesystem::file_type::directory;
   return fail(ErrorCode::kUnsupported,
               fmt::format("expected a file that ends in .bin, .pcd, .ply, .las, .ot or .bt{}",

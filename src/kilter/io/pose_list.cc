@@ -132,6 +132,9 @@ std::optional<PoseLayout> guess_pose_layout(std::string_view bytes) {
 }
 
 Expected<PoseList> read_pose_list(std::string_view bytes, const std::string& where) {
+  if (bytes.starts_with("\xFF\xFE") || bytes.starts_with("\xFE\xFF")) {
+    return fail(ErrorCode::kParse, "this is UTF-16 text, as PowerShell's > writes it", where, "save it as UTF-8");
+  }
   const PoseLayout layout = guess_pose_layout(bytes).value_or(is_worded(bytes) ? PoseLayout::kTable : PoseLayout::kTum);
   if (layout == PoseLayout::kTum || layout == PoseLayout::kKitti) return read_rows(bytes, layout, where);
   if (layout == PoseLayout::kG2o) {

@@ -57,6 +57,14 @@ TEST(PoseList, SaysWhatIsWrongWithWhatItIsNot) {
   EXPECT_EQ(read_pose_list("", "p").error().code, ErrorCode::kEmptyInput);
   EXPECT_EQ(read_pose_list("1 2 3\n", "p").error().message, "expected 8 or 12 columns, found 3");
   EXPECT_EQ(read_pose_list("FIX 0\n", "p").error().code, ErrorCode::kEmptyInput);
+  EXPECT_EQ(read_pose_list(std::string_view("\xFF\xFE"
+                                            "0\0 \0"
+                                            "1\0",
+                                            8),
+                           "p")
+                .error()
+                .hint,
+            "save it as UTF-8");
   EXPECT_EQ(read_pose_list("1 0 0 0 0 1 0 0 0 0 1 0\n0\n", "p").error().where, "p:2");
   EXPECT_EQ(read_pose_list("x,y,z,qx,qy,qz,qw\n1\n", "p").error().where, "p:2");
   const Error angles = read_pose_list("t,x,y,z,roll,pitch,yaw\n", "p").error();

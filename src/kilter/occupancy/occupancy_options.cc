@@ -25,11 +25,27 @@ std::vector<OptionField> fields(OccupancyOptions& o) {
 }
 
 Expected<void> validate(const OccupancyOptions& o) {
-  if (o.min_range_m < o.max_range_m) return {};
-  return fail(
-      ErrorCode::kConfig,
-      fmt::format("min_range: expected less than max_range, which is {} m, found {} m", o.max_range_m, o.min_range_m),
-      {}, "lower min_range or raise max_range: returns between the two are what kilter works with");
+  if (!(o.min_range_m < o.max_range_m)) {
+    return fail(
+        ErrorCode::kConfig,
+        fmt::format("min_range: expected less than max_range, which is {} m, found {} m", o.max_range_m, o.min_range_m),
+        {}, "lower min_range or raise max_range: returns between the two are what kilter works with");
+  }
+  // Log-odds are floats, so what is barely below may be equal.
+  constexpr double kSame = 1e-6;
+  if (o.clamping_max - o.occupancy_threshold < kSame) {
+    return fail(ErrorCode::kConfig,
+                fmt::format("occupancy_threshold: expected less than clamping_max, which is {}, found {}",
+                            o.clamping_max, o.occupancy_threshold),
+                {}, "lower occupancy_threshold or raise clamping_max, or no voxel is ever occupied");
+  }
+  if (o.occupancy_threshold - o.clamping_min < kSame) {
+    return fail(ErrorCode::kConfig,
+                fmt::format("occupancy_threshold: expected more than clamping_min, which is {}, found {}",
+                            o.clamping_min, o.occupancy_threshold),
+                {}, "raise occupancy_threshold or lower clamping_min, or no voxel is ever free");
+  }
+  return {};
 }
 
 }  // namespace kilter

@@ -23,7 +23,8 @@ struct OccupancyOptions {
 
 [[nodiscard]] std::vector<OptionField> fields(OccupancyOptions& options);
 
-/// What no single option shows. \return kConfig: min_range leaves nothing below max_range.
+/// What no single option shows. \return kConfig: min_range leaves nothing below max_range, or occupancy_threshold is
+/// not between what probabilities are clamped to.
 [[nodiscard]] Expected<void> validate(const OccupancyOptions& options);
 
 }  // namespace kilter

@@ -70,7 +70,7 @@ bool SubmapStore::fits(std::size_t needed) const {
 }
 
 Error SubmapStore::too_large(std::size_t needed) const {
-  return exceeds_memory("submaps that must be in memory together need", needed, limits_.memory_bytes);
+  return exceeds_memory("submaps that must be in memory together need at least", needed, limits_.memory_bytes);
 }
 
 void SubmapStore::fail_all(Error error) {
