@@ -9,6 +9,7 @@ import csv
 import json
 import os
 import pty
+import shutil
 import signal
 import struct
 import subprocess
@@ -237,6 +238,18 @@ class Output(CheckCase):
             self.assertIn(run.status, (0, 1, 4), run.stderr)
             self.assertIn(f"note: {self.out} has no cuts for d, cut anew\n", run.stderr)
             self.assertEqual(run_kilter(*some, "--quiet", *(["--replace"] if command == "submaps" else [])).stderr, "")
+
+    def test_what_makes_nonsense_of_a_map_is_told_before_and_after(self):
+        scaled = self.out.with_name("scaled")
+        shutil.copytree(self.tiny.mission / "a", scaled / "a")
+        poses = scaled / "a" / "poses.tum"
+        rows = [line.split() for line in poses.read_text(encoding="utf-8").splitlines() if not line.startswith("#")]
+        poses.write_text("".join(" ".join([row[0], *(str(1000 * float(x)) for x in row[1:4]), *row[4:]]) + "\n"
+                                 for row in rows), encoding="utf-8")
+        run = run_kilter("check", scaled, "-o", self.out, *self.settings)
+        self.assertIn("which is odd (millimetres): write clouds and poses in metres", run.stderr)
+        self.assertIn("\nNext        see to the input first (millimetres of robot a)", run.stdout)
+        self.assertNotIn("odd", self.check().stderr)
 
     def test_one_robot_under_two_names_is_told(self):
         twice = [f"{name}={self.tiny.mission / 'a'}" for name in ("c", "d")]

@@ -1,11 +1,15 @@
 // SPDX-FileCopyrightText: The kilter authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <array>
 #include <ctime>
 #include <iterator>
 #include <map>
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include <CLI/App.hpp>
@@ -29,6 +33,7 @@
 #include "apps/kilter/word_option.h"
 #include "kilter/io/file.h"
 #include "kilter/io/find_oddities.h"
+#include "kilter/io/inspection.h"
 #include "kilter/io/mission.h"
 #include "kilter/io/temporary_file.h"
 #include "kilter/io/usable_points.h"
@@ -59,7 +64,24 @@ struct Job {
   Mission mission;
   Cuts cuts;
   std::size_t memory_bytes = 0;  // 0 = no limit
+  std::vector<Oddity> oddities;  // with which no answer means much
 };
+
+// Of what `info` finds odd, that which makes nonsense of a map.
+constexpr std::array<std::string_view, 9> kSpoilsAll = {"camera-frame", "millimetres", "time-jump",
+                                                        "pose-jump",    "no-motion",   "far-robot",
+                                                        "no-turns",     "tumbles",     "stamps-differ"};
+
+// What cannot be looked at is told when it is read.
+std::vector<Oddity> find_spoilers(const Mission& mission, const SubmapOptions& options) {
+  Expected<Inspection> inspection = inspect(mission, options);
+  if (!inspection) return {};
+  std::vector<Oddity> found = std::move(inspection->oddities);
+  std::erase_if(found, [](const Oddity& oddity) {
+    return std::find(kSpoilsAll.begin(), kSpoilsAll.end(), oddity.code) == kSpoilsAll.end();
+  });
+  return found;
+}
 
 Expected<void> check_map_names(const CheckCommand& command, const Mission& mission) {
   for (const RobotLog& robot : mission.robots) {
@@ -93,6 +115,7 @@ Expected<Job> open_job(const CheckCommand& command) {
       place_submaps(job.mission, job.settings.check, command.cuts, command.submap_poses, command.poses_folder);
   if (!cuts) return pass_up(cuts.error());
   job.cuts = *std::move(cuts);
+  job.oddities = find_spoilers(job.mission, job.settings.check.submap);
   return job;
 }
 
@@ -198,6 +221,9 @@ Expected<void> present(const CheckCommand& command, const Job& job, const Result
   options.output_folder = command.output_folder;
   options.poses = command.poses_folder;
   for (const SourceSummary& source : job.mission.sources) options.sources.push_back(describe(source));
+  for (const Oddity& oddity : job.oddities) {
+    if (options.odd.empty()) options.odd = fmt::format("{} of robot {}", oddity.code, printable(oddity.robot));
+  }
   return print_out(summary(result, options));
 }
 
@@ -215,6 +241,10 @@ void print_notes_before(const Job& job) {
   for (const auto& [later, earlier] : robots_given_twice(job.mission.robots)) {
     print_note(fmt::format("robot {}: its poses and clouds are those of {}; that the two agree proves nothing",
                            printable(job.mission.robots[later].name), printable(job.mission.robots[earlier].name)));
+  }
+  for (const Oddity& oddity : job.oddities) {
+    print_note(fmt::format("robot {}: {}, which is odd ({}): {}", printable(oddity.robot),
+                           printable(oddity.found, 1024), oddity.code, way_out_of(oddity.code)));
   }
   if (const auto note = note_on_unused_keys(job.mission, job.settings.check)) print_note(*note);
   if (const auto note = note_on_fine_voxels(job.settings.check.submap.occupancy)) print_note(*note);

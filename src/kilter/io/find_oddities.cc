@@ -6,8 +6,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <limits>
+#include <numbers>
 #include <optional>
+
+#include "kilter/io/stamp_text.h"
 
 namespace kilter {
 namespace {
@@ -22,6 +26,11 @@ constexpr double kJumpOfMedian = 20.0;   // this many usual steps
 constexpr double kPause_s = 60.0;        // at least, and
 constexpr double kPauseOfMedian = 50.0;  // this many usual intervals
 constexpr double kFar_m = 200.0;         // no lidar's reach bridges it
+constexpr double kBentPath = 0.5;        // cosine between two steps of a path that turns
+constexpr double kSameTurn_rad = 1e-6;   // no sensor's attitude is as steady
+constexpr double kUpsideDown_rad = 2.0;  // of the sensor's z axis from the world's
+constexpr double kTumble_rad = 1.2;      // between the least and the largest of these on the way
+constexpr double kIntervalsApart = 0.5;  // that differences between two lists of stamps may spread over
 constexpr std::size_t kFewPoints = 1000;
 constexpr std::size_t kMostComparisons = 20;  // of whole clouds
 
@@ -52,6 +61,52 @@ double share_along_own_z(const RobotLog& robot) {
     path_m += step_m.norm();
   }
   return path_m > 0.0 ? along_m / path_m : 0.0;
+}
+
+// Whether a path turns while the sensor never does.
+bool turns_without_turning(const RobotLog& robot) {
+  const std::vector<Pose3>& poses = robot.T_world_cloud;
+  Eigen::Vector3d first_m = Eigen::Vector3d::Zero();
+  double least_cosine = 1.0;
+  for (std::size_t i = 1; i < poses.size(); ++i) {
+    if ((poses.front().inverse() * poses[i]).angle_rad() > kSameTurn_rad) return false;
+    const Eigen::Vector3d step_m = poses[i].translation_m() - poses[i - 1].translation_m();
+    if (step_m.norm() < kNearlyStill_m) continue;
+    if (first_m.isZero()) first_m = step_m;
+    least_cosine = std::min(least_cosine, first_m.dot(step_m) / (first_m.norm() * step_m.norm()));
+  }
+  return least_cosine < kBentPath;
+}
+
+// How far the sensor's z axis lies from the world's, for each pose. [rad]
+std::vector<double> tilts_rad(const RobotLog& robot) {
+  std::vector<double> tilts;
+  for (const Pose3& T : robot.T_world_cloud) {
+    tilts.push_back(std::acos(std::clamp((T.rotation() * Eigen::Vector3d::UnitZ()).z(), -1.0, 1.0)));
+  }
+  return tilts;
+}
+
+// How far apart, at most, the stamps in the clouds' names lie from those of their poses, but for what all of them do;
+// absent where names hold none. [s]
+std::optional<double> names_apart_s(const RobotLog& robot) {
+  if (!robot.cloud_name || robot.stamps_ns.size() != robot.T_world_cloud.size()) return std::nullopt;
+  std::vector<StampText> named;
+  for (std::size_t i = 0; i < robot.stamps_ns.size(); ++i) {
+    const std::string name = std::filesystem::path(robot.cloud_name(i)).filename().string();
+    const std::optional<StampText> stamp = stamp_of_file(name);
+    if (!stamp) return std::nullopt;
+    named.push_back(*stamp);
+  }
+  if (!look_like_stamps(named)) return std::nullopt;
+  const auto named_ns = to_nanoseconds(named, guess_unit(named));
+  if (!named_ns) return std::nullopt;
+  std::vector<double> apart_s;
+  for (std::size_t i = 0; i < named_ns->size(); ++i) {
+    apart_s.push_back(1e-9 * static_cast<double>((*named_ns)[i] - robot.stamps_ns[i]));
+  }
+  const auto [least, most] = std::minmax_element(apart_s.begin(), apart_s.end());
+  return *most - *least;
 }
 
 /// Collects what is odd about one robot.
@@ -98,6 +153,23 @@ class Finder {
     if (seen_.path_length_m > kShortPath_m && along_z > kAlongOwnZ) {
       say("camera-frame", fmt::format("{:.0f} % of the path leads along the sensor's own z axis", 100.0 * along_z));
     }
+    look_at_attitudes();
+  }
+
+  void look_at_attitudes() {
+    constexpr double kDegrees = 180.0 / std::numbers::pi;
+    if (seen_.path_length_m > kShortPath_m && turns_without_turning(robot_)) {
+      say("no-turns", "the path turns, and all poses look the same way");
+    }
+    const std::vector<double> tilts = tilts_rad(robot_);
+    const auto [least, most] = std::minmax_element(tilts.begin(), tilts.end());
+    if (*most - *least > kTumble_rad) {
+      say("tumbles", fmt::format("the sensor's z axis lies {:.0f} to {:.0f} degrees from the world's",
+                                 kDegrees * *least, kDegrees * *most));
+    } else if (median_of(tilts) > kUpsideDown_rad) {
+      say("upside-down", fmt::format("the sensor's z axis lies {:.0f} degrees from the world's (median)",
+                                     kDegrees * median_of(tilts)));
+    }
   }
 
   void look_at_stamps() {
@@ -106,6 +178,13 @@ class Finder {
       intervals_s.push_back(1e-9 * static_cast<double>(robot_.stamps_ns[i] - robot_.stamps_ns[i - 1]));
     }
     if (intervals_s.empty()) return;
+    const double usual_s = std::abs(median_of(intervals_s));
+    if (const auto apart_s = names_apart_s(robot_); apart_s && *apart_s > kIntervalsApart * usual_s) {
+      say("stamps-differ",
+          fmt::format("stamps in the clouds' names and of the poses they go with drift apart by {:.2f} "
+                      "s, where clouds come every {:.2f} s",
+                      *apart_s, usual_s));
+    }
     const auto [least, most] = std::minmax_element(intervals_s.begin(), intervals_s.end());
     if (*least < 0.0) {
       const auto at = static_cast<std::size_t>(least - intervals_s.begin());

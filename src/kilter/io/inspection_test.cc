@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <functional>
 #include <numbers>
 
 namespace kilter {
@@ -113,6 +114,54 @@ TEST(Inspect, EstimatesPointsOfVeryManyClouds) {
   const Inspection inspection = inspected({std::move(log)});
   EXPECT_TRUE(inspection.robots[0].points->estimated);
   EXPECT_EQ(inspection.robots[0].points->points, 5000U * 1200U);
+}
+
+// A square of 20 m, always ahead.
+RobotLog round_a_square() {
+  RobotLog log = robot("a");
+  log.T_world_cloud.clear();
+  for (int i = 0; i < 40; ++i) {
+    const double yaw = 0.5 * std::numbers::pi * (i / 10);
+    const Eigen::Quaterniond turn(Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()));
+    const Eigen::Vector3d at_m = i == 0 ? Eigen::Vector3d::Zero() : log.T_world_cloud.back().translation_m();
+    log.T_world_cloud.emplace_back(turn, at_m + turn * Eigen::Vector3d(0.5, 0.0, 0.0));
+  }
+  log.clouds_found = log.poses_found = 40;
+  return log;
+}
+
+TEST(Inspect, TellsWhatRotationsThatWereNotWrittenOrWrittenOtherwiseLookLike) {
+  EXPECT_EQ(codes(inspected({round_a_square()})), Codes{});
+  RobotLog unturned = round_a_square();
+  for (Pose3& T : unturned.T_world_cloud) T = Pose3(Eigen::Quaterniond::Identity(), T.translation_m());
+  EXPECT_EQ(codes(inspected({unturned})), Codes{"no-turns"});
+  EXPECT_EQ(codes(inspected({robot("a")})), Codes{}) << "straight ahead nothing turns";
+  RobotLog w_first = round_a_square();
+  for (Pose3& T : w_first.T_world_cloud) {
+    const Eigen::Quaterniond& q = T.rotation();
+    T = Pose3(Eigen::Quaterniond(q.z(), q.w(), q.x(), q.y()), T.translation_m());
+  }
+  EXPECT_EQ(codes(inspected({w_first})), Codes{"tumbles"});
+  RobotLog hanging = round_a_square();
+  const Eigen::Quaterniond over(Eigen::AngleAxisd(std::numbers::pi, Eigen::Vector3d::UnitX()));
+  for (Pose3& T : hanging.T_world_cloud) T = Pose3(T.rotation() * over, T.translation_m());
+  EXPECT_EQ(codes(inspected({hanging})), Codes{"upside-down"});
+}
+
+TEST(Inspect, TellsCloudsWhoseNamesAreOtherStampsThanTheirPoses) {
+  RobotLog log = round_a_square();
+  for (int i = 0; i < 40; ++i) log.stamps_ns.push_back(1'700'000'000'000'000'000 + 100'000'000LL * i);
+  const auto named = [](std::function<int(int)> scan_of) {
+    return [scan_of](std::size_t i) { return fmt::format("s/{:.1f}.pcd", 1.7e9 + 0.1 * scan_of(static_cast<int>(i))); };
+  };
+  log.cloud_name = named([](int i) { return i; });
+  EXPECT_EQ(codes(inspected({log})), Codes{});
+  log.cloud_name = named([](int i) { return i + 7; });
+  EXPECT_EQ(codes(inspected({log})), Codes{}) << "another clock, the same clouds";
+  log.cloud_name = named([](int i) { return i < 5 ? i : i + 1; });
+  EXPECT_EQ(codes(inspected({log})), Codes{"stamps-differ"});
+  log.cloud_name = [](std::size_t i) { return fmt::format("{:06}.pcd", 2 * i); };
+  EXPECT_EQ(codes(inspected({log})), Codes{}) << "numbers are no stamps";
 }
 
 TEST(Inspect, CountsPairsOfSubmapsThatAreNear) {

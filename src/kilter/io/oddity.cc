@@ -43,6 +43,22 @@ std::span<const OddityTopic> oddity_catalog() {
                   "All poses lie in one place: the poses are not these clouds', or clouds are in the world frame "
                   "already.",
                   "give each cloud its pose; one merged cloud is a submap of its own (NAME=FILE.pcd)"},
+      OddityTopic{"no-turns",
+                  "The robot's path turns, but every pose has the same rotation: rotations were not written, or were "
+                  "left at the identity.",
+                  "give poses with their rotations"},
+      OddityTopic{"tumbles",
+                  "The sensor's z axis swings far about the vertical. Sensors of robots that drive or hover stay about "
+                  "level; quaternions that are written w first and read x first look like this.",
+                  "write quaternions as qx qy qz qw, or name the columns"},
+      OddityTopic{"upside-down",
+                  "The sensor's z axis points down most of the way: a sensor that hangs, a world whose z axis points "
+                  "down, or quaternions that are written w first.",
+                  "if nothing hangs, write quaternions as qx qy qz qw, or name the columns"},
+      OddityTopic{"stamps-differ",
+                  "Clouds were paired with poses in order, and the stamps in their names are not those of the poses: a "
+                  "cloud or a pose is missing somewhere, and all behind it go with the wrong one.",
+                  "remove what has no partner, or give poses with the clouds' stamps"},
       OddityTopic{
           "far-robot",
           "A robot's poses lie far from those of all others, so none of its submaps can meet theirs. Most often "

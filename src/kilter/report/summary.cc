@@ -306,6 +306,9 @@ std::vector<std::string> robots_without_surface(const Result& result) {
 
 std::string next_step(const Result& result, const SummaryOptions& options, bool some_never_meet) {
   const std::string folder = path_or(options.output_folder, "OUT");
+  if (!options.odd.empty()) {
+    return fmt::format("see to the input first ({}): with that, what stands above may mean nothing", options.odd);
+  }
   switch (result.system.state) {
     case MapState::kConsistent:
       if (options.papers_test) return "the paper's test compares pairs with each other, not with a length in metres";

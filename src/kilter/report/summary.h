@@ -18,6 +18,7 @@ struct SummaryOptions {
   std::vector<std::string> sources;          ///< what was recognised, e.g. "GLIM dump, 214 submaps, 1 robot"
   std::string output_folder = "kilter-out";  ///< where the files are, for what to do next
   std::optional<std::string> poses;          ///< --poses, which what is done next needs as well
+  std::string odd;                           ///< of the input, that comes before all else: "millimetres of robot a"
 };
 
 inline constexpr int kSummaryLines = 25;     ///< at most

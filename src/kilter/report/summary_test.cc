@@ -128,6 +128,9 @@ TEST(Summary, AdvisesTheOptimiserOnlyIfThereIsAConstraintToGiveIt) {
   EXPECT_THAT(summary(result), HasSubstr("(constraints for 1 of the 3)"));
   disagreeing().trusted = false;
   EXPECT_THAT(summary(result), HasSubstr("Next        no correction of a pair that disagrees can be believed"));
+  SummaryOptions odd;
+  odd.odd = "millimetres of robot a";
+  EXPECT_THAT(summary(result, odd), HasSubstr("Next        see to the input first (millimetres of robot a)"));
 }
 
 TEST(Summary, TheAdviceNamesThePosesThatItNeedsAgain) {
