@@ -13,7 +13,6 @@
 namespace kilter {
 namespace {
 
-constexpr double kMostGap_m = 0.5;
 constexpr double kCell_m = 1.0;
 constexpr std::size_t kMostVoxels = 6000;
 constexpr float kLeastPlanarity = 0.3F;
@@ -56,10 +55,11 @@ std::optional<double> distance_to_layer_m(const VoxelMap& target, const Eigen::V
   // The box around what lies along the normal, and a hundredth of a voxel for what floats lose; as far as a voxel may
   // be from that of the point.
   const Eigen::Array3d along_axes = normal.array().abs();
-  const Eigen::Array3d reach_m = kMostGap_m * along_axes + beside_m * (1.0 - along_axes.square()).max(0.0).sqrt() +
+  const Eigen::Array3d reach_m = ParallelGap::kMost_m * along_axes +
+                                 beside_m * (1.0 - along_axes.square()).max(0.0).sqrt() +
                                  Eigen::Array3d::Constant(0.01 * resolution_m);
   const VoxelIndex centre = voxel_at(at_m, resolution_m);
-  const VoxelIndex farthest = VoxelIndex::Constant(static_cast<int>(std::ceil(kMostGap_m / resolution_m)));
+  const VoxelIndex farthest = VoxelIndex::Constant(static_cast<int>(std::ceil(ParallelGap::kMost_m / resolution_m)));
   const VoxelIndex low = voxel_at(at_m - reach_m.matrix(), resolution_m).cwiseMax(centre - farthest);
   const VoxelIndex high = voxel_at(at_m + reach_m.matrix(), resolution_m).cwiseMin(centre + farthest);
   std::vector<double> distances_m;
@@ -67,7 +67,8 @@ std::optional<double> distance_to_layer_m(const VoxelMap& target, const Eigen::V
     const SurfaceVoxels& voxels = target.voxels();
     const Eigen::Vector3d between_m = at_m - voxels.centroids_m[i].cast<double>();
     const double along_m = between_m.dot(normal);
-    if ((between_m - along_m * normal).squaredNorm() > beside_m * beside_m || std::abs(along_m) > kMostGap_m) return;
+    if ((between_m - along_m * normal).squaredNorm() > beside_m * beside_m || std::abs(along_m) > ParallelGap::kMost_m)
+      return;
     if (voxels.planarity[i] < kLeastPlanarity) return;
     Eigen::Vector3d other = voxels.normals[i].cast<double>();
     if (!oriented && other.dot(normal) < 0.0) other = -other;
@@ -101,8 +102,8 @@ std::vector<Direction> collect(const VoxelMap& source, const VoxelMap& target, c
   const SurfaceVoxels& voxels = source.voxels();
   const std::size_t stride = std::max<std::size_t>(1, voxels.size() / kMostVoxels);
   Eigen::AlignedBox3d box = target.bounds_m();
-  box.min().array() -= kMostGap_m;
-  box.max().array() += kMostGap_m;
+  box.min().array() -= ParallelGap::kMost_m;
+  box.max().array() += ParallelGap::kMost_m;
   const bool oriented = source.has_free_space() && target.has_free_space();
   std::vector<Direction> directions;
   for (std::size_t i = 0; i < voxels.size(); i += stride) {

@@ -19,6 +19,8 @@ struct ParallelGap {
   double p_value = 1.0;  ///< two-sided, for "one layer", corrected for the number of directions tried
   Eigen::Vector3d normal = Eigen::Vector3d::Zero();  ///< unit, target axes; the sign is arbitrary
   std::size_t cells = 0;                             ///< cells of a metre that show this direction
+
+  static constexpr double kMost_m = 0.5;  ///< no layer is looked for farther off
 };
 
 /// Measures it at one relative pose, without registration.

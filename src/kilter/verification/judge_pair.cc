@@ -212,6 +212,11 @@ std::string doubt(const PairEvidence& pair, const MapNull& null, bool conflict_c
   return {};
 }
 
+void forget_gap(PairVerdict& verdict) {
+  verdict.gap_m.reset();
+  verdict.evidence.erase("gap_m");
+}
+
 // Whether those around it ask for the move beyond the tolerance that its registration found, and do not contradict it.
 bool move_is_vouched_for(const PairEvidence& pair, const JudgeOptions& options) {
   return pair.registered && is_vouched_for(pair) && !contradicted(pair) &&
@@ -241,6 +246,8 @@ PairVerdict judge_displacement(const PairEvidence& pair, const MapNull& null, co
   verdict.unobservable = pair.registration->unobservable;
   const OffsetEstimate offset = estimate_offset(*pair.registration, pair.T_target_source);
   note_offset(offset, verdict);
+  // Walls that are farther apart than gaps are looked for leave only the floor's, which is not theirs.
+  if (offset.vector_m.norm() > ParallelGap::kMost_m) forget_gap(verdict);
   if (!verdict.reason.empty()) return verdict;
   const Bend& bend = pair.registration->bend;
   note_disagreement(offset, bend, options, verdict);

@@ -62,6 +62,9 @@ TEST(JudgePair, TheGapBetweenDoubledWallsStandsBesideTheVerdict) {
   const PairVerdict verdict = judge_pair(pair, {}, {});
   EXPECT_EQ(verdict.gap_m, 0.049);
   EXPECT_NEAR(*verdict.evidence.at("gap_m").null, 0.0258, 1e-4);
+  PairEvidence far = pair_moved(1.4, 0.01);
+  far.gap = pair.gap;  // of the floor: the walls are farther apart than gaps are looked for
+  EXPECT_FALSE(judge_pair(far, {}, {}).gap_m);
 }
 
 TEST(JudgePair, WithoutOverlapItIsNeverDecided) {
