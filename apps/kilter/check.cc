@@ -68,9 +68,9 @@ struct Job {
 };
 
 // Of what `info` finds odd, that which makes nonsense of a map.
-constexpr std::array<std::string_view, 9> kSpoilsAll = {"camera-frame", "millimetres", "time-jump",
-                                                        "pose-jump",    "no-motion",   "far-robot",
-                                                        "no-turns",     "tumbles",     "stamps-differ"};
+constexpr std::array<std::string_view, 11> kSpoilsAll = {
+    "camera-frame", "millimetres", "time-jump",     "pose-jump",       "no-motion",    "far-robot",
+    "no-turns",     "tumbles",     "stamps-differ", "clouds-in-world", "inverse-poses"};
 
 // What cannot be looked at is told when it is read.
 std::vector<Oddity> find_spoilers(const Mission& mission, const SubmapOptions& options) {

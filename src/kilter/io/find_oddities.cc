@@ -11,6 +11,7 @@
 #include <numbers>
 #include <optional>
 
+#include "kilter/io/pose_reading.h"
 #include "kilter/io/stamp_text.h"
 
 namespace kilter {
@@ -120,6 +121,7 @@ class Finder {
     look_at_stamps();
     look_at_first_cloud();
     look_at_all_clouds();
+    look_at_reading();
     if (seen_.clouds_found > seen_.clouds || seen_.poses_found > seen_.clouds) {
       say("poses-unmatched", fmt::format("{} of {} clouds and {} poses belong together", seen_.clouds,
                                          seen_.clouds_found, seen_.poses_found));
@@ -196,6 +198,17 @@ class Finder {
       say("time-jump", fmt::format("{:.0f} s between clouds {} and {}, usually {:.2f} s", *most, at, at + 1,
                                    median_of(intervals_s)));
     }
+  }
+
+  void look_at_reading() {
+    const std::optional<OtherReading> other = find_other_reading(robot_);
+    if (!other) return;
+    const bool in_world = other->reading == PoseReading::kCloudsInWorld;
+    say(in_world ? "clouds-in-world" : "inverse-poses",
+        fmt::format("{:.0f} % of a cloud's points meet those of one a few metres away {}, and {:.0f} % with the poses "
+                    "as they are",
+                    100.0 * other->otherwise, in_world ? "without their poses" : "with inverted poses",
+                    100.0 * other->as_given));
   }
 
   void look_at_first_cloud() {

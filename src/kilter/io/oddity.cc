@@ -55,6 +55,14 @@ std::span<const OddityTopic> oddity_catalog() {
                   "The sensor's z axis points down most of the way: a sensor that hangs, a world whose z axis points "
                   "down, or quaternions that are written w first.",
                   "if nothing hangs, write quaternions as qx qy qz qw, or name the columns"},
+      OddityTopic{"clouds-in-world",
+                  "Clouds meet each other without their poses, and not with them: they are in the map's frame already, "
+                  "as most programs export them.",
+                  "export clouds in the sensor's frame, or transform each by its inverse pose"},
+      OddityTopic{"inverse-poses",
+                  "Clouds meet each other if the poses are inverted, and not as they are: poses were written as "
+                  "T_sensor_world.",
+                  "write poses as T_world_sensor: where the sensor is in the map"},
       OddityTopic{"stamps-differ",
                   "Clouds were paired with poses in order, and the stamps in their names are not those of the poses: a "
                   "cloud or a pose is missing somewhere, and all behind it go with the wrong one.",

@@ -1,0 +1,28 @@
+// SPDX-FileCopyrightText: The kilter authors
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+
+#include "kilter/submap/robot_log.h"
+
+namespace kilter {
+
+/// Another way in which clouds and poses may belong together.
+enum class PoseReading {
+  kCloudsInWorld,  ///< clouds are in the world's frame already
+  kInverse,        ///< poses are T_cloud_world
+};
+
+/// How much better clouds meet if their poses are read otherwise.
+struct OtherReading {
+  PoseReading reading = PoseReading::kCloudsInWorld;
+  double as_given = 0.0;  ///< share of points that meet the cloud of a pose one to three metres away
+  double otherwise = 0.0;
+};
+
+/// Looks at a dozen clouds, a few metres of way between two of them, for a reading under which they meet far better
+/// than as given. \return  nothing where there is none, where the robot hardly moves, or where clouds cannot be read.
+[[nodiscard]] std::optional<OtherReading> find_other_reading(const RobotLog& robot);
+
+}  // namespace kilter
