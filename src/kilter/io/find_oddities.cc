@@ -117,11 +117,12 @@ class Finder {
       : robot_(robot), seen_(seen), found_(found) {}
 
   void look() {
+    const std::size_t before = found_.size();
     look_at_poses();
     look_at_stamps();
+    if (found_.size() == before) look_at_reading();
     look_at_first_cloud();
     look_at_all_clouds();
-    look_at_reading();
     if (seen_.clouds_found > seen_.clouds || seen_.poses_found > seen_.clouds) {
       say("poses-unmatched", fmt::format("{} of {} clouds and {} poses belong together", seen_.clouds,
                                          seen_.clouds_found, seen_.poses_found));
