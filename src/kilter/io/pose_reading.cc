@@ -55,10 +55,8 @@ double median_of(std::vector<float> values) {
 
 Sample sample_of(const RobotLog& robot, std::size_t i) {
   Sample sample;
-  Expected<PointCloud> cloud = robot.read_cloud(i);
-  if (!cloud) return sample;
-  std::erase_if(cloud->points_m, [](const Eigen::Vector3f& point_m) { return !point_m.allFinite(); });
-  if (cloud->points_m.empty()) return sample;
+  const Expected<PointCloud> cloud = robot.read_cloud(i);
+  if (!cloud || cloud->points_m.empty()) return sample;
   for (Eigen::Index axis = 0; axis < 3; ++axis) {
     std::vector<float> column(cloud->points_m.size());
     std::transform(cloud->points_m.begin(), cloud->points_m.end(), column.begin(),

@@ -165,9 +165,8 @@ bool cells_hide_most(const OffsetEstimate& offset) {
 // against the wrong aisle. Where there is none, those that fell into the same aisle are easily a few.
 bool contradicted(const PairEvidence& pair) {
   const Agreement& agreement = pair.agreement;
-  const bool points_alone = pair.registered->conflict.known() == 0;
   return pair.registration->searched &&
-         (agreement.contradicted() || (points_alone && agreement.contradicting > agreement.agreeing));
+         (agreement.contradicted() || (free_space_is_unknown(pair) && agreement.contradicting > agreement.agreeing));
 }
 
 // Why the registered pose cannot be believed; empty if it can. Where the pose barely moved and a submap is bent,
@@ -202,7 +201,7 @@ std::string doubt(const PairEvidence& pair, const MapNull& null, bool conflict_c
         "differ, or registration settled in the wrong place",
         100.0 * after.conflict.share(), 100.0 * null.conflict);
   }
-  if (after.conflict.known() == 0 && after.score && after.score->log10_gamma &&
+  if (free_space_is_unknown(pair) && after.score && after.score->log10_gamma &&
       *after.score->log10_gamma < theta_limit(null)) {
     return fmt::format(
         "after registration it agrees worse than other pairs of this map (log10 Theta {:.2f}, typically {:.2f}), and "

@@ -122,8 +122,8 @@ bool fit_improved(const PairEvidence& pair) {
   const double before = pair.map.conflict.share();
   const double after = pair.registered->conflict.share();
   if (after > kConflictMayGrow * before) return false;
-  const bool points_alone = pair.registered->conflict.known() == 0;
-  if (points_alone || conflict_grew(pair)) return support_grew(*pair.registration, kLeastGainAgainstFreeSpace);
+  if (free_space_is_unknown(pair) || conflict_grew(pair))
+    return support_grew(*pair.registration, kLeastGainAgainstFreeSpace);
   return support_grew(*pair.registration, conflict_went(pair) ? kLeastGainWithFreeSpace : kLeastGain);
 }
 

@@ -22,6 +22,11 @@ inline constexpr double kMaxLogOdds = 1e6;
 /// more. Precondition: the pair was registered.
 [[nodiscard]] bool fit_improved(const PairEvidence& pair);
 
+/// Whether no free space can speak of the registered pose: points alone, or nothing that both know.
+[[nodiscard]] inline bool free_space_is_unknown(const PairEvidence& pair) {
+  return pair.registered->conflict.known() == 0;
+}
+
 /// Whether more of what both saw conflicts at the registered pose than at the map's. Precondition: as above.
 [[nodiscard]] bool conflict_grew(const PairEvidence& pair);
 
