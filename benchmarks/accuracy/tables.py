@@ -344,8 +344,25 @@ def sealed(answers):
     ablation_table(answers)
 
 
+def points(answers):
+    configurations(answers)
+    verdict_table(answers)
+    constraint_table(answers)
+    area_table(answers)
+    wrong_place_table(answers)
+    calibration_table(answers)
+    certificate_line(answers)
+    map_table(answers)
+
+
 def clean(answers):
     configurations(answers)
+    map_table(answers)
+    wrong_place_table(answers)
+    certificate_line(answers)
+
+
+def map_table(answers):
     table = []
     for name, some in [*by_group(answers).items(), ("all", answers)]:
         with_any = sum(a["system"]["inconsistent"] > 0 for a in some)
@@ -358,43 +375,3 @@ def clean(answers):
                       number(100 * np.median(truly), 1), number(100 * np.max(truly), 1)])
     print_table(["world", "missions", "with a pair inconsistent", "map consistent", "and ≥ 70 % decided", "decided",
                  "certificate median cm", "true disagreement median cm", "largest cm"], table)
-    wrong_place_table(answers)
-    certificate_line(answers)
-
-
-def injected(answers):
-    configurations(answers)
-    table, by_direction = [], []
-    groups = by_group(answers)
-
-    def chosen(some, size=None, direction=None):
-        rows = [r for a in some if (size is None or a["stamp"][2][:2] == list(size))
-                and (direction is None or a["stamp"][2][2] == direction)
-                for r in a["rows"] if r["fixed"] and r["overlap"] >= ENOUGH_OVERLAP]
-        return [r for r in rows if r["across"]], [r for r in rows if r["same"]]
-
-    sizes = sorted({tuple(a["stamp"][2][:2]) for a in answers})
-    for name, some in groups.items():
-        good = chosen(some)[1]
-        for size in sizes:
-            bad, _ = chosen(some, size, None)
-            both = chosen([a for a in some if a["stamp"][2][2] in ("planar", "any")], size)[0]
-            line = [name, f"{size[0]} m, {size[1]} rad", len(both)]
-            for score in (published, displacement):
-                line.append(share(scores.found_at([score(r) for r in both], [score(r) for r in good]), 1))
-            line += [share(count(both, "inconsistent"), len(both)), share(count(both, "consistent"), len(both)),
-                     len(good), share(count(good, "inconsistent"), len(good)), share(count(good, "consistent"), len(good))]
-            table.append(line)
-            for direction in sorted({a["stamp"][2][2] for a in some}):
-                bad, _ = chosen(some, size, direction)
-                if bad:
-                    by_direction.append([name, f"{size[0]} m, {size[1]} rad", direction, len(bad),
-                                         number(100 * float(np.median([r["rms_m"] for r in bad])), 1),
-                                         share(scores.found_at([published(r) for r in bad], [published(r) for r in good]), 1),
-                                         share(count(bad, "inconsistent"), len(bad)), share(count(bad, "consistent"), len(bad))])
-    print("Pairs across one slip against pairs on one side of all, directions `planar` and `any`:\n")
-    print_table(["mission", "error", "across", "TPR at 1 % FPR, log odds", "displacement alone", "inconsistent", "consistent",
-                 "good", "inconsistent", "consistent"], table)
-    print("By direction:\n")
-    print_table(["mission", "error", "direction", "across", "median true cm", "TPR at 1 % FPR", "inconsistent", "consistent"],
-                by_direction)
