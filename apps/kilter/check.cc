@@ -252,7 +252,7 @@ void print_notes_before(const Job& job) {
     if (!robot.finished_submaps || robot.read_cells) continue;
     print_note(
         fmt::format("robot {}: its submaps are points, which say nothing of free space; evidence that needs it "
-                    "is left out",
+                    "is left out, and a submap that is bent inside may go unseen",
                     robot.name));
   }
 }

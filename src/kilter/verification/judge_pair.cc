@@ -29,6 +29,10 @@ constexpr double kWrongWhenDoubted = 0.25;
 // tolerance 24 % are doubted and ended beyond it, of the others 0.05 % (2 of 3,879), which is a ratio of 465, 128 to
 // 3,840 with 95 % (`benchmarks/accuracy/run --parts drift`).
 constexpr double kLeavesRightPlace = 0.0025;
+// Points alone do not show when they were seen, nor what free space says of them: of pairs off by more than the
+// tolerance, so many look as if they were off by less, because a submap is bent inside (47 of 881, see
+// `benchmarks/accuracy/run --parts points --seeds 1-4`). A ratio says no more than that for a pair of theirs.
+constexpr double kBentUnseen = 0.05;
 // An ambiguous registration is believed if this many around it agree.
 constexpr int kSupported = 2;
 
@@ -36,7 +40,7 @@ double conflict_limit(const MapNull& null) {
   return null.conflict + std::max(kConflictSpreads * null.conflict_spread, kConflictSlack);
 }
 
-// Without free space only the distances can tell that registration settled in the wrong place (step F11).
+// Without free space only the distances can tell that registration left for the wrong place (step F11).
 double theta_limit(const MapNull& null) {
   return null.log10_theta - std::max(kThetaSpreads * null.log10_theta_spread, kThetaSlack);
 }
@@ -57,6 +61,12 @@ void note_support(const RegistrationResult& registration, const Agreement& agree
   if (registration.ambiguity) verdict.evidence["ambiguity"].value = *registration.ambiguity;
 }
 
+// A ratio, where with this probability what was found is as likely either way.
+double bounded(double log_ratio, double unless) {
+  const double strength = std::log(unless + (1.0 - unless) * std::exp(-std::abs(log_ratio)));
+  return log_ratio > 0.0 ? -strength : strength;
+}
+
 // With some probability the registration is wrong, and what it found is as likely either way. `vouched`: others around
 // it, which nothing misleads, found the same.
 void disbelieve(const PairEvidence& pair, const MapNull& null, bool vouched, const JudgeOptions& options,
@@ -66,8 +76,7 @@ void disbelieve(const PairEvidence& pair, const MapNull& null, bool vouched, con
   const bool above = *log_ratio > 0.0;
   const bool telling = above && !conflict_grew(pair) && !surfaces_may_differ(pair, null);
   const double wrong = above && vouched ? kDeniedByNeighbours : telling ? kLeavesRightPlace : kWrongWhenDoubted;
-  const double strength = std::log(wrong + (1.0 - wrong) * std::exp(-std::abs(*log_ratio)));
-  log_ratio = above ? -strength : strength;
+  log_ratio = bounded(*log_ratio, wrong);
   set_posterior(*log_ratio, options, verdict);
 }
 
@@ -104,8 +113,9 @@ void note_offset(const OffsetEstimate& offset, PairVerdict& verdict) {
   verdict.minimum_detectable_m = offset.minimum_detectable_m;
 }
 
-void note_disagreement(const OffsetEstimate& offset, const Bend& bend, const JudgeOptions& options,
+void note_disagreement(const PairEvidence& pair, const OffsetEstimate& offset, const JudgeOptions& options,
                        PairVerdict& verdict) {
+  const Bend& bend = pair.registration->bend;
   const auto log_ratio_of = [&](const OffsetEstimate::SquareLaw& measured,
                                 const OffsetEstimate::SquareLaw& with_prior) {
     const auto ratio_of = [&](const OffsetEstimate::SquareLaw& seen, const OffsetEstimate::SquareLaw& all) {
@@ -120,7 +130,8 @@ void note_disagreement(const OffsetEstimate& offset, const Bend& bend, const Jud
   verdict.evidence["displacement"] = {offset.offset_m, options.tolerance_m,
                                       log_ratio_of(offset.measured, offset.with_prior)};
   const double apart_m = std::hypot(offset.offset_m, bend.rms_m);
-  const double log_ratio = log_ratio_of(measured, with_prior);
+  double log_ratio = log_ratio_of(measured, with_prior);
+  if (log_ratio < 0.0 && free_space_is_unknown(pair)) log_ratio = bounded(log_ratio, kBentUnseen);
   verdict.evidence["disagreement"] = {apart_m, options.tolerance_m, log_ratio};
   verdict.disagreement_m = apart_m;
   verdict.disagreement_most_m =
@@ -171,7 +182,7 @@ bool contradicted(const PairEvidence& pair) {
 
 // Why the registered pose cannot be believed; empty if it can. Where the pose barely moved and a submap is bent,
 // conflict is what a bend looks like and no reason for doubt.
-std::string doubt(const PairEvidence& pair, const MapNull& null, bool conflict_counts) {
+std::string doubt(const PairEvidence& pair, const MapNull& null, bool moved, bool conflict_counts) {
   const PoseEvidence& after = *pair.registered;
   const RegistrationResult& registration = *pair.registration;
   const Agreement& agreement = pair.agreement;
@@ -201,7 +212,7 @@ std::string doubt(const PairEvidence& pair, const MapNull& null, bool conflict_c
         "differ, or registration settled in the wrong place",
         100.0 * after.conflict.share(), 100.0 * null.conflict);
   }
-  if (free_space_is_unknown(pair) && after.score && after.score->log10_gamma &&
+  if (moved && free_space_is_unknown(pair) && after.score && after.score->log10_gamma &&
       *after.score->log10_gamma < theta_limit(null)) {
     return fmt::format(
         "after registration it agrees worse than other pairs of this map (log10 Theta {:.2f}, typically {:.2f}), and "
@@ -249,7 +260,7 @@ PairVerdict judge_displacement(const PairEvidence& pair, const MapNull& null, co
   if (offset.vector_m.norm() > ParallelGap::kMost_m) forget_gap(verdict);
   if (!verdict.reason.empty()) return verdict;
   const Bend& bend = pair.registration->bend;
-  note_disagreement(offset, bend, options, verdict);
+  note_disagreement(pair, offset, options, verdict);
   note_support(*pair.registration, pair.agreement, verdict);
   const std::string measured =
       fmt::format("offset {} ({} to {})", in_cm(offset.offset_m), in_cm((*verdict.offset_interval_m)[0]),
@@ -266,7 +277,7 @@ PairVerdict judge_displacement(const PairEvidence& pair, const MapNull& null, co
     if (vouched) let_neighbours_speak(pair, p_value, verdict);
     if (moved && contradicted(pair)) let_better_fit_speak(pair, p_value, verdict);
   };
-  if (const std::string why_not = doubt(pair, null, verdict.rigid || moved); !why_not.empty()) {
+  if (const std::string why_not = doubt(pair, null, moved, verdict.rigid || moved); !why_not.empty()) {
     call_doubtful(fmt::format("{}; {}", measured, why_not));
   } else if (moved && !fit_improved(pair)) {
     call_doubtful(

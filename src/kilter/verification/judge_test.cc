@@ -99,30 +99,6 @@ TEST(JudgePair, AnOptimumThatStillConflictsIsNotBelieved) {
   EXPECT_EQ(verdict_of(no_better), Verdict::kUnverified);
 }
 
-// To points alone a wall's other face is the wall: twice as much that fits is no witness of a move, nor are a few of
-// those around it that fell into the same aisle.
-TEST(JudgePair, PointsAloneAskForMoreThanScans) {
-  const auto without_free_space = [](PairEvidence pair) {
-    pair.map.conflict = pair.registered->conflict = {};
-    return pair;
-  };
-  PairEvidence pair = pair_moved(0.3, 0.01);
-  pair.registration->support_start = 1000;
-  pair.registration->support_end = 2000;
-  EXPECT_EQ(verdict_of(pair), Verdict::kInconsistent);
-  EXPECT_EQ(verdict_of(without_free_space(pair)), Verdict::kUnverified);
-  pair.registration->support_end = 4000;
-  EXPECT_EQ(verdict_of(without_free_space(pair)), Verdict::kInconsistent);
-  pair.registration->searched = true;
-  pair.agreement.agreeing = 9;
-  pair.agreement.agreeing_weight = 5.0;
-  pair.agreement.contradicting = 25;
-  pair.agreement.contradicting_weight = 15.0;
-  EXPECT_TRUE(judge_pair(pair, kNull, {}).reason.find("ask for another correction") == std::string::npos);
-  const PairVerdict alone = judge_pair(without_free_space(pair), kNull, {});
-  EXPECT_NE(alone.reason.find("25 ask for another correction"), std::string::npos) << alone.reason;
-}
-
 // A pair that registration hardly moves, and whose parts stay apart by `rms_m` inside.
 PairEvidence pair_bent(double rms_m) {
   PairEvidence pair = pair_moved(0.02, 0.005);
@@ -329,17 +305,6 @@ TEST(JudgePair, ARegistrationThatIsNotBelievedSaysLittleOfTheProbability) {
   const PairVerdict quiet = judge_pair(still, {}, {});
   EXPECT_LT(*quiet.p_inconsistent, 0.05);
   EXPECT_GT(*quiet.p_inconsistent, 0.01);
-}
-
-TEST(JudgePair, PointsAloneMustAgreeAsWellAsTheMapsOtherPairs) {
-  PairEvidence pair = pair_moved(0.01, 0.01);
-  pair.registered->conflict = {};
-  PairScore score;
-  score.log10_gamma = 1.9;
-  pair.registered->score = score;
-  EXPECT_EQ(verdict_of(pair), Verdict::kConsistent);
-  pair.registered->score->log10_gamma = 1.2;
-  EXPECT_EQ(verdict_of(pair), Verdict::kUnverified);
 }
 
 TEST(JudgePair, WhatAnUnobservableDirectionCouldHideForbidsConsistent) {
