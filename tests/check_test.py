@@ -324,6 +324,11 @@ class Trouble(CheckCase):
         run = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=False)
         self.assertEqual(run.returncode, 1)
         self.assertTrue(run.stdout.startswith("INCONSISTENT"))
+        # What memory leaves out must not become the file that messages go to.
+        enough = 4 * max(submap["bytes"] for submap in read_result(self.out)["submaps"])
+        run = subprocess.run([*command, "--memory", str(enough)], stdout=subprocess.PIPE, text=True, check=False)
+        self.assertEqual(run.returncode, 1)
+        self.assertTrue(run.stdout.startswith("INCONSISTENT"))
         run = subprocess.run([*command[:5], "no/such/mission"], stdout=subprocess.PIPE, text=True, check=False)
         self.assertEqual((run.returncode, run.stdout), (3, ""))
 

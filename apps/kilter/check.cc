@@ -68,9 +68,9 @@ struct Job {
 };
 
 // Of what `info` finds odd, that which makes nonsense of a map.
-constexpr std::array<std::string_view, 11> kSpoilsAll = {
-    "camera-frame", "millimetres", "time-jump",     "pose-jump",       "no-motion",    "far-robot",
-    "no-turns",     "tumbles",     "stamps-differ", "clouds-in-world", "inverse-poses"};
+constexpr std::array<std::string_view, 12> kSpoilsAll = {
+    "camera-frame", "millimetres", "time-jump",     "pose-jump",       "no-motion",     "far-robot",
+    "no-turns",     "tumbles",     "stamps-differ", "clouds-in-world", "inverse-poses", "poses-unfit"};
 
 // What cannot be looked at is told when it is read.
 std::vector<Oddity> find_spoilers(const Mission& mission, const SubmapOptions& options) {
@@ -238,9 +238,15 @@ void print_notes_before(const Job& job) {
   for (const std::string& note : notes_on_cells(job.mission, job.settings.check.submap.occupancy.resolution_m)) {
     print_note(note);
   }
-  for (const auto& [later, earlier] : robots_given_twice(job.mission.robots)) {
-    print_note(fmt::format("robot {}: its poses and clouds are those of {}; that the two agree proves nothing",
-                           printable(job.mission.robots[later].name), printable(job.mission.robots[earlier].name)));
+  for (const GivenTwice& twice : robots_given_twice(job.mission.robots)) {
+    const std::string later = printable(job.mission.robots[twice.later].name);
+    const std::string earlier = printable(job.mission.robots[twice.earlier].name);
+    print_note(twice.same_places
+                   ? fmt::format("robot {}: its poses and clouds are those of {}; that the two agree proves nothing",
+                                 later, earlier)
+                   : fmt::format("robot {}: its clouds are those of {}, under other poses; how these differ is all "
+                                 "that the two can tell",
+                                 later, earlier));
   }
   for (const Oddity& oddity : job.oddities) {
     print_note(fmt::format("robot {}: {}, which is odd ({}): {}", printable(oddity.robot),

@@ -14,7 +14,9 @@
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include "apps/kilter/commands.h"
 #include "apps/kilter/exit_status.h"
@@ -150,11 +152,21 @@ int run(int argc, char** argv) {
   return status;
 }
 
+// The next file to be opened would take the place of a standard stream that the caller has closed, and get what is
+// printed. What is put there can be used as little as what was closed.
+void hold_closed_streams() {
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+    if (::fcntl(stream, F_GETFD) >= 0) continue;
+    ::open("/dev/null", (stream == STDIN_FILENO ? O_WRONLY : O_RDONLY) | O_CLOEXEC);
+  }
+}
+
 }  // namespace
 }  // namespace kilter::app
 
 int main(int argc, char** argv) {
   using kilter::ErrorCode;
+  kilter::app::hold_closed_streams();
   // A file that may not grow any further and a pipe that nobody reads are errors to tell of, not reasons to die.
   std::signal(SIGXFSZ, SIG_IGN);
   std::signal(SIGPIPE, SIG_IGN);

@@ -141,9 +141,9 @@ export function action(archive: Archive, number: number): string {
   }
   switch (pair.kind) {
     case "sequential":
-      return `The odometry slipped between ${both}: look at the poses there.`;
+      return `The poses of ${both} do not fit each other: look at the odometry there and, where many pairs of ${source.robot} say so, at its sensor's mounting and time stamps.`;
     case "local":
-      return `${source.robot} came back and put this place elsewhere: a link between ${both} is missing or wrong.`;
+      return `${source.robot} came back and put this place elsewhere: a link between ${both} is missing or wrong, or its way there is bent.`;
     case "global":
       return `The maps of ${target.robot} and ${source.robot} do not fit here: add the link from constraints.g2o, or look for a wrong one, between ${both}.`;
   }

@@ -120,8 +120,11 @@ class Finder {
     const std::size_t before = found_.size();
     look_at_poses();
     look_at_stamps();
-    if (found_.size() == before) look_at_reading();
+    const bool poses_are_odd = found_.size() != before;
     look_at_first_cloud();
+    const bool in_millimetres = std::any_of(found_.begin() + static_cast<std::ptrdiff_t>(before), found_.end(),
+                                            [](const Oddity& oddity) { return oddity.code == "millimetres"; });
+    if (!poses_are_odd && !in_millimetres) look_at_reading();
     look_at_all_clouds();
     if (seen_.clouds_found > seen_.clouds || seen_.poses_found > seen_.clouds) {
       say("poses-unmatched", fmt::format("{} of {} clouds and {} poses belong together", seen_.clouds,
@@ -204,6 +207,13 @@ class Finder {
   void look_at_reading() {
     const std::optional<OtherReading> other = find_other_reading(robot_);
     if (!other) return;
+    if (other->reading == PoseReading::kNeither) {
+      say("poses-unfit",
+          fmt::format("{:.0f} % of a cloud's points meet those of the next one, and {:.0f} % those of one "
+                      "a few metres away",
+                      100.0 * other->otherwise, 100.0 * other->as_given));
+      return;
+    }
     const bool in_world = other->reading == PoseReading::kCloudsInWorld;
     say(in_world ? "clouds-in-world" : "inverse-poses",
         fmt::format("{:.0f} % of a cloud's points meet those of one a few metres away {}, and {:.0f} % with the poses "
@@ -260,21 +270,28 @@ class Finder {
   std::vector<Oddity>& found_;
 };
 
-bool are_one(const RobotLog& a, const RobotLog& b) {
-  if (a.T_world_cloud.empty() || a.T_world_cloud.size() != b.T_world_cloud.size() || !a.peek_cloud || !b.peek_cloud)
-    return false;
-  for (std::size_t i = 0; i < a.T_world_cloud.size(); ++i) {
-    if (a.T_world_cloud[i].translation_m() != b.T_world_cloud[i].translation_m()) return false;
+bool have_the_same_clouds(const RobotLog& a, const RobotLog& b) {
+  const std::size_t count = a.T_world_cloud.size();
+  if (count == 0 || count != b.T_world_cloud.size() || !a.peek_cloud || !b.peek_cloud) return false;
+  for (const std::size_t i : {std::size_t{0}, count / 2, count - 1}) {
+    const std::optional<CloudPeek> peek = a.peek_cloud(i);
+    if (!peek || peek != b.peek_cloud(i)) return false;
   }
-  const std::size_t last = a.T_world_cloud.size() - 1;
-  return a.peek_cloud(0) == b.peek_cloud(0) && a.peek_cloud(last) == b.peek_cloud(last);
+  return true;
+}
+
+bool have_the_same_places(const RobotLog& a, const RobotLog& b) {
+  return std::equal(a.T_world_cloud.begin(), a.T_world_cloud.end(), b.T_world_cloud.begin(), b.T_world_cloud.end(),
+                    [](const Pose3& one, const Pose3& other) { return one.translation_m() == other.translation_m(); });
 }
 
 void compare_robots(std::span<const RobotLog> robots, std::span<const RobotInspection> seen,
                     std::vector<Oddity>& found) {
-  for (const auto& [later, earlier] : robots_given_twice(robots)) {
-    found.push_back({"identical-robots", robots[later].name,
-                     fmt::format("its poses and clouds are those of {}", printable(robots[earlier].name))});
+  for (const GivenTwice& twice : robots_given_twice(robots)) {
+    found.push_back(
+        {"identical-robots", robots[twice.later].name,
+         fmt::format("its {} are those of {}{}", twice.same_places ? "poses and clouds" : "clouds",
+                     printable(robots[twice.earlier].name), twice.same_places ? "" : ", under other poses")});
   }
   for (std::size_t i = 0; i < robots.size(); ++i) {
     double nearest_m = std::numeric_limits<double>::infinity();
@@ -291,12 +308,12 @@ void compare_robots(std::span<const RobotLog> robots, std::span<const RobotInspe
 
 }  // namespace
 
-std::vector<std::pair<std::size_t, std::size_t>> robots_given_twice(std::span<const RobotLog> robots) {
-  std::vector<std::pair<std::size_t, std::size_t>> twice;
+std::vector<GivenTwice> robots_given_twice(std::span<const RobotLog> robots) {
+  std::vector<GivenTwice> twice;
   for (std::size_t i = 0; i < robots.size(); ++i) {
     for (std::size_t k = 0; k < i; ++k) {
-      if (!are_one(robots[i], robots[k])) continue;
-      twice.emplace_back(i, k);
+      if (!have_the_same_clouds(robots[i], robots[k])) continue;
+      twice.push_back({i, k, have_the_same_places(robots[i], robots[k])});
       break;
     }
   }

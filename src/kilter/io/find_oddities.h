@@ -17,8 +17,15 @@ namespace kilter {
 [[nodiscard]] std::vector<Oddity> find_oddities(std::span<const RobotLog> robots,
                                                 std::span<const RobotInspection> seen);
 
-/// A robot whose poses and clouds are those of an earlier one, so that the two agree perfectly and prove nothing: pairs
-/// of their numbers, the later one first. Poses are compared, and two clouds of each at their first bytes.
-[[nodiscard]] std::vector<std::pair<std::size_t, std::size_t>> robots_given_twice(std::span<const RobotLog> robots);
+/// A robot whose clouds are those of an earlier one. Where the places are, too, the two agree perfectly and prove
+/// nothing; otherwise they tell how two estimates of one path differ.
+struct GivenTwice {
+  std::size_t later = 0;
+  std::size_t earlier = 0;
+  bool same_places = true;
+};
+
+/// Three clouds of each are compared at their first bytes.
+[[nodiscard]] std::vector<GivenTwice> robots_given_twice(std::span<const RobotLog> robots);
 
 }  // namespace kilter

@@ -28,7 +28,8 @@ RobotLog robot(const std::string& name, double at_x_m = 0.0) {
       cloud.add(1.0F + 0.01F * static_cast<float>(i), 0.1F * static_cast<float>(scan), 0.0F);
     return cloud;
   };
-  log.peek_cloud = [](std::size_t scan) -> std::optional<CloudPeek> { return CloudPeek{1200, 19200, scan}; };
+  const auto own = static_cast<std::uint64_t>(1000.0 * at_x_m);
+  log.peek_cloud = [own](std::size_t scan) -> std::optional<CloudPeek> { return CloudPeek{1200, 19200, own + scan}; };
   log.cloud_name = [](std::size_t scan) { return fmt::format("scan {}", scan); };
   return log;
 }
@@ -169,8 +170,8 @@ TEST(Inspect, TellsPosesThatAreInvertedAndCloudsThatAreInTheWorldAlready) {
     return cloud;
   };
   const auto with_ring = [](PointCloud cloud) {
-    for (int i = 0; i < 1500; ++i) {
-      const float angle = 0.0042F * static_cast<float>(i);
+    for (int i = 0; i < 700; ++i) {
+      const float angle = 0.009F * static_cast<float>(i);
       cloud.add(4.0F * std::cos(angle), 4.0F * std::sin(angle), -1.0F);
     }
     return cloud;
@@ -179,6 +180,12 @@ TEST(Inspect, TellsPosesThatAreInvertedAndCloudsThatAreInTheWorldAlready) {
   EXPECT_EQ(codes(inspected({log})), Codes{});
   for (Pose3& T : log.T_world_cloud) T = T.inverse();
   EXPECT_EQ(codes(inspected({log})), Codes{"inverse-poses"});
+  // The vehicle's poses, whose sensor looks to its left.
+  const Eigen::Quaterniond left(Eigen::AngleAxisd(1.5, Eigen::Vector3d::UnitZ()));
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    log.T_world_cloud[i] = Pose3(truth[i].rotation() * left, truth[i].translation_m());
+  }
+  EXPECT_EQ(codes(inspected({log})), Codes{"poses-unfit"});
   log.T_world_cloud = truth;
   log.read_cloud = [&](std::size_t i) -> Expected<PointCloud> { return posts_near(i, Pose3()); };
   EXPECT_EQ(codes(inspected({log})), Codes{"clouds-in-world"});
@@ -301,7 +308,14 @@ TEST(FindOddities, SeesPosesThatJumpOrStand) {
 
 TEST(FindOddities, SeesARobotFarFromAllOthersAndOneNamedTwice) {
   EXPECT_EQ(codes(inspected({robot("a"), robot("b", 5.0), robot("c", 1000.0)})), Codes{"far-robot"});
-  EXPECT_EQ(codes(inspected({robot("a"), robot("b")})), Codes{"identical-robots"});
+  const Inspection twice = inspected({robot("a"), robot("b")});
+  EXPECT_EQ(codes(twice), Codes{"identical-robots"});
+  EXPECT_EQ(twice.oddities[0].found, "its poses and clouds are those of a");
+  RobotLog elsewhere = robot("b");
+  for (Pose3& pose : elsewhere.T_world_cloud) pose = Pose3::from_translation(0.3, 0.0, 0.0) * pose;
+  const Inspection moved = inspected({robot("a"), std::move(elsewhere)});
+  EXPECT_EQ(codes(moved), Codes{"identical-robots"});
+  EXPECT_EQ(moved.oddities[0].found, "its clouds are those of a, under other poses");
 }
 
 TEST(FindOddities, SeesCloudsWithoutPosesAndPoorClouds) {

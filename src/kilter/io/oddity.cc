@@ -28,8 +28,8 @@ std::span<const OddityTopic> oddity_catalog() {
           "the first of them. Only sizes and headers were looked at; other damage shows when a file is read.",
           "copy them again, or remove each together with its pose"},
       OddityTopic{"identical-robots",
-                  "Two robots have the same poses and the same clouds: one folder was named twice. They would agree "
-                  "with each other perfectly and prove nothing.",
+                  "Two robots have the same clouds: one folder was named twice. They would agree with each other "
+                  "perfectly and prove nothing; under other poses they tell how these differ, and nothing of the map.",
                   "name each session once"},
       OddityTopic{"time-jump",
                   "Time runs backwards between two clouds, or stands for long: several recordings in one folder, a "
@@ -63,6 +63,12 @@ std::span<const OddityTopic> oddity_catalog() {
                   "Clouds meet each other if the poses are inverted, and not as they are: poses were written as "
                   "T_sensor_world.",
                   "write poses as T_world_sensor: where the sensor is in the map"},
+      OddityTopic{
+          "poses-unfit",
+          "Clouds meet the next ones, but hardly those a few metres on, whichever way the poses are read: their "
+          "paths and turns are not these clouds'. Poses are the vehicle's and its sensor is mounted turned, or "
+          "they are another sensor's, or belong to other clouds.",
+          "give the sensor's place on the robot as T_body_sensor, or the poses of these clouds"},
       OddityTopic{"stamps-differ",
                   "Clouds were paired with poses in order, and the stamps in their names are not those of the poses: a "
                   "cloud or a pose is missing somewhere, and all behind it go with the wrong one.",

@@ -12,13 +12,14 @@ namespace kilter {
 enum class PoseReading {
   kCloudsInWorld,  ///< clouds are in the world's frame already
   kInverse,        ///< poses are T_cloud_world
+  kNeither,        ///< none of these: poses are not of these clouds, or not of their sensor
 };
 
 /// How much better clouds meet if their poses are read otherwise.
 struct OtherReading {
   PoseReading reading = PoseReading::kCloudsInWorld;
-  double as_given = 0.0;  ///< share of points that meet the cloud of a pose one to three metres away
-  double otherwise = 0.0;
+  double as_given = 0.0;   ///< share of points that meet the cloud of a pose one to three metres away
+  double otherwise = 0.0;  ///< under the reading; of kNeither, share that meets the next cloud, wherever that is
 };
 
 /// Looks at a dozen clouds, a few metres of way between two of them, for a reading under which they meet far better

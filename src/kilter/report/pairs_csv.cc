@@ -15,7 +15,7 @@ namespace {
 constexpr std::string_view kColumns =
     "target,source,kind,overlap,matched,d,mu,sigma,mu_t,var_t,gamma,gamma_literal,theta,theta_oicp,verified,"
     "offset_m,offset_low_m,offset_high_m,offset_deg,offset_x,offset_y,offset_z,gap_m,minimum_detectable_m,unobservable,"
-    "p_value,log_odds,p_inconsistent,verdict,reason";
+    "p_value,log_odds,p_inconsistent,verdict,reason,constraint";
 
 using Cells = std::vector<std::optional<double>>;
 
@@ -85,6 +85,7 @@ std::string pairs_csv(const Result& result) {
     append(text, measured(pair));
     append(text, judged(pair));
     text += ',' + csv_cell(to_string(pair.verdict.verdict)) + ',' + csv_cell(pair.verdict.reason);
+    text += pair.trusted ? ",1" : ",0";
     for (const std::string& name : names) {
       const auto piece = pair.verdict.evidence.find(name);
       const bool there = piece != pair.verdict.evidence.end();

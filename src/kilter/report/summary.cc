@@ -58,6 +58,13 @@ void add_verdict(Lines& lines, const Result& result, const SummaryOptions& optio
 // Rounded down, a certificate would claim more than was shown; 0.00 m of two copies of one robot would, too.
 double to_centimetres_above(double metres) { return std::max(0.01, std::ceil(100.0 * metres - 1e-9) / 100.0); }
 
+std::size_t inconsistent_among(const Result& result, const std::vector<PairId>& ids) {
+  const std::set<PairId> asked(ids.begin(), ids.end());
+  return static_cast<std::size_t>(std::count_if(result.pairs.begin(), result.pairs.end(), [&](const PairResult& pair) {
+    return pair.verdict.verdict == Verdict::kInconsistent && asked.contains(pair.id);
+  }));
+}
+
 void add_certificate(Lines& lines, const Result& result) {
   const MapVerdict& system = result.system;
   std::string text = "none: nothing can be said about the whole map at 95 %";
@@ -65,10 +72,12 @@ void add_certificate(Lines& lines, const Result& result) {
     text = fmt::format("consistent to {:.2f} m at 95 %", to_centimetres_above(*system.certificate_m));
     if (!system.certificate_excludes.empty()) {
       const PairId first = system.certificate_excludes.front();
-      text += fmt::format("; says nothing about {} of the pairs that overlap ({} with {}{})",
-                          system.certificate_excludes.size(), printable(result.submap(first.target).name, 20),
-                          printable(result.submap(first.source).name, 20),
-                          system.certificate_excludes.size() > 1 ? ", ..." : "");
+      const std::size_t wrong = inconsistent_among(result, system.certificate_excludes);
+      text += fmt::format(
+          "; says nothing about {} of the pairs that overlap{} ({} with {}{})", system.certificate_excludes.size(),
+          wrong > 0 ? fmt::format(", {} of them inconsistent", wrong) : std::string(),
+          printable(result.submap(first.target).name, 20), printable(result.submap(first.source).name, 20),
+          system.certificate_excludes.size() > 1 ? ", ..." : "");
     }
   }
   add_labelled(lines, "Certified", text, 2);
@@ -202,7 +211,8 @@ std::string shift_text(const Result& result, const PairResult& pair, const Summa
   const double step = decimals == 1 ? 0.1 : 1.0;
   // Rounded before it is printed, or -0.2 would read "-0".
   const Eigen::Vector3d shown = (shift_cm / step).array().round() * step + 0.0;
-  return fmt::format("x{:+.{}f} y{:+.{}f} z{:+.{}f}", shown.x(), decimals, shown.y(), decimals, shown.z(), decimals);
+  return fmt::format("x{:+.{}f} y{:+.{}f} z{:+.{}f}{}", shown.x(), decimals, shown.y(), decimals, shown.z(), decimals,
+                     pair.verdict.unobservable.empty() ? "" : " +?");
 }
 
 std::vector<const PairResult*> worst_pairs(const Result& result, std::size_t count) {
@@ -242,7 +252,7 @@ void add_worst(Lines& lines, const Result& result, const SummaryOptions& options
   if (rows.empty()) return;
   lines.push_back(fmt::format("{}, target <- source (! inconsistent, ? unverified): offset, 95 % interval, rotation,",
                               result.system.state == MapState::kInconsistent ? "Worst pairs" : "Largest offsets"));
-  lines.push_back("shift of the source in world axes [cm] that would mend it, probability of being inconsistent");
+  lines.push_back("shift of the source in world axes [cm] that mends it (+? along open directions), p inconsistent");
   std::array<std::size_t, 6> widths{};
   for (const auto& row : rows) {
     for (std::size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], columns_of(row[i]));
@@ -267,6 +277,19 @@ std::string word_or(const std::string& path, std::string_view name) {
   return word.find(' ') == std::string::npos ? word : std::string(name);
 }
 
+// Bends are mended where they come from: of so many, poses of whole submaps are no cure.
+constexpr double kManyBent = 1.0 / 3.0;
+std::string where_bends_come_from(const Result& result) {
+  const auto bent =
+      static_cast<std::size_t>(std::count_if(result.pairs.begin(), result.pairs.end(), [](const PairResult& pair) {
+        return pair.verdict.verdict == Verdict::kInconsistent && !pair.verdict.rigid;
+      }));
+  if (bent == 0 || static_cast<double>(bent) < kManyBent * static_cast<double>(result.system.inconsistent)) return {};
+  return fmt::format(
+      "{} of the {} are bent inside: see to stamps, de-skewing, T_body_sensor and slips within submaps first; then ",
+      bent, result.system.inconsistent);
+}
+
 // Of the inconsistent pairs, those that gave a constraint.
 std::string how_to_mend(const Result& result, const SummaryOptions& options, const std::string& folder) {
   std::size_t constraints = 0;
@@ -284,11 +307,12 @@ std::string how_to_mend(const Result& result, const SummaryOptions& options, con
                               : std::string();
   const bool are_cut = std::any_of(result.submaps.begin(), result.submaps.end(),
                                    [](const SubmapSummary& submap) { return submap.scans.has_value(); });
-  return fmt::format(
-      "give {0}/constraints.g2o{1} to the optimiser, then check the same again with --submap-poses NEW.g2o{2}", folder,
-      few,
-      (are_cut ? " --cuts " + word_or(options.output_folder, "OUT") : std::string()) +
-          (options.poses ? " --poses " + word_or(*options.poses, "DIR") : std::string()));
+  return where_bends_come_from(result) +
+         fmt::format(
+             "give {0}/constraints.g2o{1} to the optimiser, then check the same again with --submap-poses NEW.g2o{2}",
+             folder, few,
+             (are_cut ? " --cuts " + word_or(options.output_folder, "OUT") : std::string()) +
+                 (options.poses ? " --poses " + word_or(*options.poses, "DIR") : std::string()));
 }
 
 // Robots whose scans leave no surface to any submap.
@@ -304,6 +328,12 @@ std::vector<std::string> robots_without_surface(const Result& result) {
   return without;
 }
 
+std::size_t likelier_than_not(const Result& result) {
+  return static_cast<std::size_t>(std::count_if(result.pairs.begin(), result.pairs.end(), [](const PairResult& pair) {
+    return pair.verdict.verdict == Verdict::kUnverified && pair.verdict.p_inconsistent.value_or(0.0) > 0.5;
+  }));
+}
+
 std::string next_step(const Result& result, const SummaryOptions& options, bool some_never_meet) {
   const std::string folder = path_or(options.output_folder, "OUT");
   if (!options.odd.empty()) {
@@ -312,6 +342,11 @@ std::string next_step(const Result& result, const SummaryOptions& options, bool 
   switch (result.system.state) {
     case MapState::kConsistent:
       if (options.papers_test) return "the paper's test compares pairs with each other, not with a length in metres";
+      if (const std::size_t likely = likelier_than_not(result); likely > 0) {
+        return fmt::format(
+            "{} undecided pair{} likelier disagree{} than not: look at {}/pairs.csv where p_inconsistent is above 0.5",
+            likely, likely == 1 ? "" : "s", likely == 1 ? "s" : "", folder);
+      }
       return fmt::format("nothing to mend above {:.2f} m; a smaller tolerance asks for more", options.tolerance_m);
     case MapState::kInconsistent:
       return how_to_mend(result, options, folder);

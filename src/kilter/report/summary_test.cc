@@ -65,6 +65,8 @@ TEST(Summary, FitsATerminalHoweverLargeTheMission) {
   }
   PairResult& local = testing::add_measured_pair(result, 2, 0);
   local.verdict.verdict = Verdict::kInconsistent;
+  local.verdict.rigid = false;
+  result.system.inconsistent = 1;
   result.candidates = result.too_little_overlap = 1000000;
   result.system.certificate_m = 1234.5;
   result.system.reason = "because " + std::string(50, 'z') + " and " + std::string(300, 'z');
@@ -82,7 +84,7 @@ TEST(Summary, FitsATerminalHoweverLargeTheMission) {
 
 TEST(Summary, ARowTellsOffsetIntervalRotationAndShift) {
   const std::string text = summary(testing::small_result());
-  EXPECT_THAT(text, HasSubstr("! a/1 <- b/1  global      43 cm [39, 47]     1.7 deg  x+0 y-40 z+15      p 0.97"));
+  EXPECT_THAT(text, HasSubstr("! a/1 <- b/1  global      43 cm [39, 47]     1.7 deg  x+0 y-40 z+15 +?   p 0.97"));
   EXPECT_THAT(text, HasSubstr("  a/1 <- a/2  sequential  2.0 cm [1.0, 3.0]  0.1 deg  x+2.0 y+0.0 z+0.0  p <0.01"));
 }
 
@@ -228,6 +230,37 @@ TEST(Summary, SaysWhatTheCertificateLeavesOut) {
   EXPECT_THAT(said_of(0.0), HasSubstr("consistent to 0.01 m at 95 %")) << "nor -0.00";
   result.system.certificate_m.reset();
   EXPECT_THAT(summary(result), HasSubstr("Certified   none"));
+}
+
+TEST(Summary, SaysHowManyOfTheExcludedAreKnownToBeWrong) {
+  Result result = testing::small_result();
+  for (const PairResult& pair : result.pairs) {
+    if (pair.verdict.verdict == Verdict::kInconsistent) result.system.certificate_excludes.push_back(pair.id);
+  }
+  EXPECT_THAT(summary(result),
+              HasSubstr("says nothing about 2 of the pairs that overlap, 1 of them\n            inconsistent (a/2"));
+}
+
+// Poses of whole submaps are no cure for what is bent inside.
+TEST(Summary, PointsToWhereBendsComeFrom) {
+  Result result = testing::small_result();
+  result.system.state = MapState::kInconsistent;
+  result.system.inconsistent = 1;
+  EXPECT_THAT(summary(result), HasSubstr("Next        give "));
+  for (PairResult& pair : result.pairs) pair.verdict.rigid = pair.verdict.verdict != Verdict::kInconsistent;
+  EXPECT_THAT(summary(result), HasSubstr("Next        1 of the 1 are bent inside: see to stamps, de-skewing, T_body"));
+  result.system.inconsistent = 4;
+  EXPECT_THAT(summary(result), HasSubstr("Next        give "));
+}
+
+TEST(Summary, AConsistentMapStillNamesWhatLikelyIsNot) {
+  Result result = testing::small_result();
+  result.system.state = MapState::kConsistent;
+  for (PairResult& pair : result.pairs) pair.verdict.verdict = Verdict::kConsistent;
+  EXPECT_THAT(summary(result), HasSubstr("Next        nothing to mend"));
+  result.pairs[0].verdict.verdict = Verdict::kUnverified;
+  result.pairs[0].verdict.p_inconsistent = 0.9;
+  EXPECT_THAT(summary(result), HasSubstr("Next        1 undecided pair likelier disagrees than not: look at "));
 }
 
 TEST(Summary, NamesRobotsThatNeverMeet) {

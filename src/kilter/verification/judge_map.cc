@@ -207,7 +207,7 @@ MapVerdict judge_map(std::vector<JudgedPair>& pairs, std::span<const std::string
     map.state = MapState::kConsistent;
     map.reason = options.method == JudgeMethod::kGamma
                      ? std::string("no pair is verified inconsistent by the paper's test, and enough are in line")
-                     : fmt::format("no pair disagrees by more than {:.1f} cm, and enough were decided",
+                     : fmt::format("no pair is shown to disagree by more than {:.1f} cm, and enough were decided",
                                    100.0 * options.tolerance_m);
   }
   return map;

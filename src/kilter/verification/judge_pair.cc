@@ -108,8 +108,11 @@ void note_offset(const OffsetEstimate& offset, PairVerdict& verdict) {
   verdict.offset_m = offset.offset_m;
   verdict.offset_rad = offset.offset_rad;
   verdict.offset_vector_m = offset.vector_m;
-  verdict.offset_interval_m = {std::min(offset_quantile_m(less_noise(offset), 0.975), offset.offset_m),
-                               std::max(offset_quantile_m(offset.measured, 0.025), offset.offset_m)};
+  verdict.offset_least_m = std::min(offset_quantile_m(less_noise(offset), 0.975), offset.offset_m);
+  const OffsetEstimate::SquareLaw least = disagreement_law(less_noise(offset), {});
+  const OffsetEstimate::SquareLaw most = disagreement_law(offset.measured, {});
+  verdict.offset_interval_m = {std::min(offset_quantile_m(least, 0.975), offset.offset_m),
+                               std::max(offset_quantile_m(most, 0.025), offset.offset_m)};
   verdict.minimum_detectable_m = offset.minimum_detectable_m;
 }
 
@@ -336,7 +339,7 @@ std::vector<OptionField> fields(JudgeOptions& o) {
 Standing standing_of(const PairVerdict& verdict, const JudgeOptions& options) {
   if (verdict.verdict == Verdict::kConsistent) return Standing::kStays;
   const bool believed = verdict.p_value && *verdict.p_value <= kSurely && !verdict.without_registration;
-  return believed && (*verdict.offset_interval_m)[0] > options.tolerance_m ? Standing::kMoves : Standing::kDoubted;
+  return believed && *verdict.offset_least_m > options.tolerance_m ? Standing::kMoves : Standing::kDoubted;
 }
 
 bool is_rigid(const RegistrationResult& registration, const JudgeOptions& options) {

@@ -64,9 +64,11 @@ struct PairVerdict {
   std::optional<double> offset_m;  ///< RMS displacement over the overlap, registered against map. [m]
   /// RMS over the overlap of everything that lies apart: the offset, and what no rigid motion mends. [m]
   std::optional<double> disagreement_m;
-  std::optional<double> disagreement_most_m;               ///< that with 95 %, what is hidden at the prior's width. [m]
-  std::optional<std::array<double, 2>> offset_interval_m;  ///< 95 %, over the observable directions. [m]
-  std::optional<double> offset_rad;                        ///< rotation part
+  std::optional<double> disagreement_most_m;  ///< that with 95 %, what is hidden at the prior's width. [m]
+  /// 95 %, over the observable directions and over all places that both saw (kPlacesScatter). [m]
+  std::optional<std::array<double, 2>> offset_interval_m;
+  std::optional<double> offset_least_m;            ///< the same at its low end, over the places that were matched. [m]
+  std::optional<double> offset_rad;                ///< rotation part
   std::optional<Eigen::Vector3d> offset_vector_m;  ///< registered minus map at the overlap's centre, target axes
   std::optional<double> gap_m;                     ///< double-wall gap
   std::optional<double> minimum_detectable_m;      ///< smallest offset that this pair would reveal. [m]
