@@ -30,8 +30,8 @@ constexpr double kWrongWhenDoubted = 0.25;
 // 3,840 with 95 % (`benchmarks/accuracy/run --parts drift`).
 constexpr double kLeavesRightPlace = 0.0025;
 // Points alone do not show when they were seen, nor what free space says of them: of pairs off by more than the
-// tolerance, so many look as if they were off by less, because a submap is bent inside (47 of 881, see
-// `benchmarks/accuracy/run --parts points --seeds 1-4`). A ratio says no more than that for a pair of theirs.
+// tolerance, so many look as if they were off by less, because a submap is bent inside (66 of 1,322, see
+// `benchmarks/accuracy/run --parts points --seeds 1-6`). A ratio says no more than that for a pair of theirs.
 constexpr double kBentUnseen = 0.05;
 // An ambiguous registration is believed if this many around it agree.
 constexpr int kSupported = 2;
