@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <limits>
@@ -273,11 +274,11 @@ class Finder {
 bool have_the_same_clouds(const RobotLog& a, const RobotLog& b) {
   const std::size_t count = a.T_world_cloud.size();
   if (count == 0 || count != b.T_world_cloud.size() || !a.peek_cloud || !b.peek_cloud) return false;
-  for (const std::size_t i : {std::size_t{0}, count / 2, count - 1}) {
+  const std::array<std::size_t, 3> some = {0, count / 2, count - 1};
+  return std::all_of(some.begin(), some.end(), [&](std::size_t i) {
     const std::optional<CloudPeek> peek = a.peek_cloud(i);
-    if (!peek || peek != b.peek_cloud(i)) return false;
-  }
-  return true;
+    return peek && peek == b.peek_cloud(i);
+  });
 }
 
 bool have_the_same_places(const RobotLog& a, const RobotLog& b) {
