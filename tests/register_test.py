@@ -189,6 +189,8 @@ class RegisterTest(unittest.TestCase):
         self.assertEqual(done.status, 0, done.stderr)
         self.assertIn(f"{aligned} is not written", done.stderr)
         self.assertFalse(aligned.exists())
+        done = run_kilter("register", self.root / "target.bin", self.root / "far.bin", "-o", aligned, "--quiet")
+        self.assertEqual((done.status, done.stderr), (0, ""))
 
 
 if __name__ == "__main__":

@@ -195,7 +195,9 @@ int run_register(const RegisterCommand& command) {
   if (!pair) return print_error(pair.error());
   const PairEvidence& evidence = pair->evidence;
   if (command.aligned && !evidence.registration->converged()) {
-    print_note(fmt::format("{} is not written: the source was not brought onto the target", shown(*command.aligned)));
+    if (!command.common.quiet) {
+      print_note(fmt::format("{} is not written: the source was not brought onto the target", shown(*command.aligned)));
+    }
   } else if (command.aligned) {
     const std::string ply = cloud_ply(clouds->source.points_m, evidence.registration->T_target_source, "target");
     if (auto done = write_file_atomically(*command.aligned, ply); !done) {
