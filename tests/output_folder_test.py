@@ -7,8 +7,12 @@ from __future__ import annotations
 import os
 import re
 import resource
+import shutil
+import signal
 import subprocess
+import time
 import unittest
+from pathlib import Path
 
 from check_test import FILES, CheckCase
 from kilter_runner import kilter_binary, main, run_kilter
@@ -130,6 +134,50 @@ class OutputFolder(CheckCase):
     def test_a_full_disk_leaves_nothing_where_nothing_was(self):
         self.on_a_full_disk()
         self.assertFalse(self.out.exists())
+
+    def stopped_while_writing(self, folder: Path, *arguments: object) -> tuple[int, str, str]:
+        """Status and words of a run that is asked to stop once a file waits for its name in `folder`."""
+        for _ in range(10):
+            with subprocess.Popen([str(kilter_binary()), *map(str, arguments)], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                                  text=True) as run:
+                while run.poll() is None and not any(folder.glob(".kilter-*/*")):
+                    time.sleep(0.0002)
+                run.terminate()
+                stdout, stderr = run.communicate()
+            if run.returncode < 0 or run.returncode > 5:
+                break
+            shutil.rmtree(folder)  # it was faster than us
+        return (run.returncode, stdout, stderr)
+
+    def test_a_stop_while_results_are_written_leaves_nothing(self):
+        run = self.stopped_while_writing(self.out, "check", self.tiny.mission, "-o", self.out, *self.settings, "--quiet")
+        self.assertEqual(run, (143, "", "cancelled: stopped on request; nothing was written\n"))
+        self.assertFalse(self.out.exists())
+
+    def test_a_stop_while_the_page_is_written_leaves_nothing(self):
+        self.check()
+        pages = self.tiny.folder / "pages"
+        run = self.stopped_while_writing(pages, "report", self.out, "-o", pages / "page.html")
+        self.assertEqual(run, (143, "", "cancelled: stopped on request; nothing was written\n"))
+        self.assertFalse(pages.exists())
+
+    @unittest.skipIf("KILTER_INSTRUMENTED" in os.environ, "sanitizers cannot be traced")
+    def test_a_stop_while_it_looks_whether_it_can_write_leaves_nothing(self):
+        # Otherwise it takes microseconds to make and remove a folder.
+        slow = ["strace", "-o", "/dev/null", "-e", "trace=rmdir,unlinkat", "-e", "inject=rmdir,unlinkat:delay_enter=1000000"]
+        if not shutil.which("strace") or subprocess.run([*slow, "true"], capture_output=True, check=False).returncode != 0:
+            self.skipTest("no strace that can be used")
+        for command in ("check", "submaps"):
+            with self.subTest(command), subprocess.Popen(
+                    [*slow, str(kilter_binary()), command, str(self.tiny.mission), "-o", str(self.out)],
+                    stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True) as run:
+                while run.poll() is None and not any(self.out.glob(".kilter-*")):
+                    time.sleep(0.01)
+                os.killpg(run.pid, signal.SIGTERM)
+                stdout, stderr = run.communicate()
+                self.assertEqual((run.returncode, stdout), (143, ""), stderr)
+                self.assertRegex(stderr, "(?m)^cancelled: ")
+                self.assertFalse(self.out.exists())
 
 
 if __name__ == "__main__":

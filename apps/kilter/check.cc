@@ -275,7 +275,7 @@ int run_check(const CheckCommand& command) {
   if (!command.common.quiet) print_notes_before(*job);
   const Expected<Result> result = run_job(command, *job);
   if (!result) return print_error(result.error());
-  if (stop_flag()) return print_error({ErrorCode::kCancelled, "stopped on request; nothing was written", {}, {}});
+  if (stop_flag()) return print_error(stopped());
   const ConfigEcho config = config_echo(*job);
   const std::string json = result_json(*result, config, run_info(command));
   print_notes(command, *result);

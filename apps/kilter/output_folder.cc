@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "apps/kilter/signals.h"
 #include "apps/kilter/staging_folder.h"
 #include "kilter/io/file.h"
 
@@ -80,8 +81,10 @@ Expected<void> write_output_folder(const fs::path& folder, const std::vector<Out
   const Expected<StagingFolder> staging = StagingFolder::make_in(folder);
   if (!staging) return pass_up(staging.error());
   for (const OutputFile& file : files) {
+    if (stop_flag()) break;
     if (auto written = staging->write(file.name, file.bytes); !written) return written;
   }
+  if (stop_flag()) return pass_up(stopped());
   return staging->publish(names);
 }
 

@@ -13,6 +13,7 @@
 #include "apps/kilter/common_options.h"
 #include "apps/kilter/exit_status.h"
 #include "apps/kilter/output_folder.h"
+#include "apps/kilter/signals.h"
 #include "apps/kilter/terminal.h"
 #include "kilter/io/archive.h"
 #include "kilter/io/file.h"
@@ -45,6 +46,7 @@ Expected<void> present(const ReportCommand& command, std::size_t bytes) {
 }
 
 int run_report(const ReportCommand& command) {
+  catch_stop_signals();
   const Expected<Settings> settings = read_settings(command.common);
   if (!settings) return print_error(settings.error());
   const std::filesystem::path path = command.output;

@@ -41,4 +41,6 @@ const std::atomic<bool>& stop_flag() { return stop; }
 
 int caught_signal() { return signal_number.load(); }
 
+Error stopped() { return {ErrorCode::kCancelled, "stopped on request; nothing was written", {}, {}}; }
+
 }  // namespace kilter::app

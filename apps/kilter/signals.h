@@ -4,6 +4,8 @@
 
 #include <atomic>
 
+#include "kilter/base/expected.h"
+
 namespace kilter::app {
 
 /// From now on the first SIGINT, SIGTERM or SIGHUP only raises `stop_flag`; a second one of the first two ends the
@@ -15,5 +17,8 @@ void catch_stop_signals();
 
 /// Number of the signal that asked for it; 0 before.
 [[nodiscard]] int caught_signal();
+
+/// What a run ends with that was stopped before anything got its final name.
+[[nodiscard]] Error stopped();
 
 }  // namespace kilter::app

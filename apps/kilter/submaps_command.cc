@@ -105,6 +105,11 @@ Done<Job> open_job(const SubmapsCommand& command) {
       place_submaps(job.mission, job.settings.check, command.cuts, command.submap_poses, command.poses_folder);
   if (!cuts) return failed(cuts.error());
   job.cuts = *std::move(cuts);
+  return job;
+}
+
+// Whether all of it can be written, and nothing of others is harmed.
+Done<void> check_output(const SubmapsCommand& command, const Job& job) {
   if (auto fit = probe_output_folder(command.output_folder, {kPoseGraph}); !fit) return failed(fit.error(), true);
   std::vector<std::filesystem::path> names = {kPoseGraph};
   for (const RobotLog& robot : job.mission.robots) {
@@ -122,7 +127,7 @@ Done<Job> open_job(const SubmapsCommand& command) {
       return failed(fit.error(), fit.error().code != ErrorCode::kUsage);
     }
   }
-  return job;
+  return {};
 }
 
 Expected<std::vector<Submap>> build(const Job& job, std::size_t number, const SubmapsCommand& command,
@@ -152,8 +157,6 @@ std::vector<std::int64_t> stamps_of(const RobotLog& robot, const std::vector<Sub
   }
   return stamps_ns;
 }
-
-Error stopped() { return {ErrorCode::kCancelled, "stopped on request; nothing was written", {}, {}}; }
 
 // Robot by robot, so that no more than one's submaps are in memory; what was there before goes when all are written.
 Done<std::vector<WrittenRobot>> write_all(const SubmapsCommand& command, const Job& job) {
@@ -254,6 +257,7 @@ int run_submaps(const SubmapsCommand& command) {
   const Done<Job> job = open_job(command);
   if (!job) return finish(job.error());
   catch_stop_signals();
+  if (auto fit = check_output(command, *job); !fit) return finish(fit.error());
   print_notes(command, *job);
   const Done<std::vector<WrittenRobot>> written = write_all(command, *job);
   if (!written) return finish(written.error());
