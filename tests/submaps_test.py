@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import json
+import os
 import re
 import resource
 import signal
@@ -13,7 +14,7 @@ import subprocess
 import unittest
 from pathlib import Path
 
-from kilter_runner import interrupt_kilter, kilter_binary, main, run_kilter
+from kilter_runner import Run, interrupt_kilter, kilter_binary, main, run_kilter
 from tiny_mission import TinyMission, read_result
 
 FORMATS = ("ot", "bt", "pcd", "ply")
@@ -93,8 +94,8 @@ class Submaps(unittest.TestCase):
         self.assertEqual(bytes_below(again), bytes_below(folder), "the same bytes on any number of threads")
 
     def test_submaps_that_are_there_are_replaced_only_when_asked(self):
-        folder = self.write("twice")
-        (folder / "a" / "submaps" / "000099.ot").write_bytes(b"of an earlier, longer run")
+        folder = self.write("twice", "--set", "submap_distance=2")  # more of them than will be
+        self.assertGreater(len(list((folder / "a" / "submaps").iterdir())), 3)
         (folder / "a" / "submaps" / "notes.txt").write_bytes(b"mine")
         before = bytes_below(folder)
         run = run_kilter("submaps", self.tiny.mission, "-o", folder)
@@ -104,6 +105,68 @@ class Submaps(unittest.TestCase):
         after = bytes_below(folder)
         self.assertEqual(after["a/submaps/notes.txt"], b"mine")
         self.assertFalse([name for name in after if name.endswith(".ot")])
+        self.assertEqual(len([name for name in after if name.startswith("a/submaps/0")]), 3)
+
+    def test_what_others_have_put_in_their_place_is_not_replaced(self):
+        folder = self.write("foreign", "--format", "pcd", "--set", "resolution=0.3")
+        poses = folder / "a" / "poses.tum"
+        cloud = (folder / "a" / "submaps" / "000000.pcd").read_bytes()
+        for name, content, words in (
+                ("poses.tum", b"# my own graph slam poses\n" + poses.read_bytes(), "poses of somebody else"),
+                ("submaps/000003.pcd", cloud, "a cloud of somebody else"),
+                ("submaps/0000001.pcd", cloud, "a cloud of somebody else"),
+                ("submaps/000001.ply", cloud, "more clouds than poses")):
+            with self.subTest(name):
+                file = folder / "a" / name
+                ours = file.read_bytes() if file.exists() else None
+                file.write_bytes(content)
+                before = bytes_below(folder)
+                run = run_kilter("submaps", self.tiny.mission, "-o", folder, "--replace")
+                self.assertEqual(run.status, 2, run.stderr)
+                self.assertTrue(bytes_below(folder) == before)
+                self.assertIn(f"{file.parent if words.startswith('more') else file}: {words}", run.stderr)
+                if ours is None:
+                    file.unlink()
+                else:
+                    file.write_bytes(ours)
+        poses.unlink()
+        before = bytes_below(folder)
+        run = run_kilter("submaps", self.tiny.mission, "-o", folder, "--replace")
+        self.assertEqual(run.status, 2, "clouds that nobody knows the poses of")
+        self.assertTrue(bytes_below(folder) == before)
+
+    def run_as_anybody(self, folder: Path, *arguments: object) -> Run:
+        """Runs kilter as a user to whom files can be closed, and whose `folder` is."""
+        user = {}
+        if os.geteuid() == 0:
+            self.tiny.folder.chmod(0o755)
+            for path in (folder, *folder.rglob("*")):
+                os.chown(path, 65534, 65534)
+            user = {"user": 65534, "group": 65534, "extra_groups": []}
+        try:
+            run = subprocess.run([str(kilter_binary()), *map(str, arguments)], capture_output=True, text=True, check=False, **user)
+        except PermissionError:
+            self.skipTest("another user cannot run the program where it lies")
+        return Run(run.returncode, run.stdout, run.stderr)
+
+    def test_a_replacement_that_is_refused_half_way_leaves_what_was_there(self):
+        folder = self.write("half", "--set", "resolution=0.3")
+        closed = folder / "b" / "submaps"
+        self.addCleanup(closed.chmod, 0o755)
+        for words in ("cannot be replaced", "cannot be written"):
+            with self.subTest(words):
+                closed.chmod(0o555)
+                before = bytes_below(folder)
+                run = self.run_as_anybody(folder, "submaps", self.tiny.mission, "-o", folder, "--replace", "--set",
+                                          "submap_distance=20")
+                self.assertTrue(bytes_below(folder) == before)
+                self.assertEqual((run.status, run.stdout), (5, ""), run.stderr)
+                self.assertIn(f"io: {closed}/000000.ot: {words}: Permission denied\n", run.stderr)
+                self.assertEqual(sorted(path.name for path in folder.iterdir()), ["a", "b", "submaps.g2o"])
+                # The second time there is nothing of b's to be replaced, and a's are in place when it fails.
+                closed.chmod(0o755)
+                for file in (folder / "b" / "poses.tum", *closed.iterdir()):
+                    file.unlink(missing_ok=True)
 
     def test_robots_that_are_not_of_this_run_are_named(self):
         folder = self.tiny.folder / "fewer"

@@ -107,16 +107,13 @@ Expected<void> check_folder(const MissionWriterOptions& options) {
   return {};
 }
 
-// An earlier mission goes where the new one has waited, and with it.
-Expected<void> publish(const app::StagingFolder& staging, const MissionWriterOptions& options) {
+Expected<void> publish(app::StagingFolder& staging, const MissionWriterOptions& options) {
+  std::vector<fs::path> earlier;
   for (const char* part : kParts) {
-    const fs::path path = options.folder / part;
     std::error_code status;
-    if (!fs::exists(fs::symlink_status(path, status))) continue;
-    fs::rename(path, staging.path() / fmt::format("earlier-{}", part), status);
-    if (status) return io_failure("cannot remove the earlier mission", status.value(), path);
+    if (fs::exists(fs::symlink_status(options.folder / part, status))) earlier.emplace_back(part);
   }
-  return staging.publish({std::begin(kParts), std::end(kParts)});
+  return staging.replace(earlier, {std::begin(kParts), std::end(kParts)});
 }
 
 Expected<void> write_robot(const SimulatedMission& mission, std::size_t r, const Place& place, ScanFormat format,
@@ -159,7 +156,7 @@ std::string faults_json(const SimulatedMission& mission, const std::string& scen
 Expected<void> write_mission(const SimulatedMission& mission, const MissionWriterOptions& options,
                              const RunContext& run) {
   if (Expected<void> fit = check_folder(options); !fit) return fit;
-  const Expected<app::StagingFolder> staging = app::StagingFolder::make_in(options.folder);
+  Expected<app::StagingFolder> staging = app::StagingFolder::make_in(options.folder);
   if (!staging) return pass_up(staging.error());
   const Place place{staging->path(), options.folder};
   const std::size_t total = mission.scan_count();

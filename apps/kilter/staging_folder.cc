@@ -19,6 +19,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// Inside the hidden folder, where what is replaced waits for its end.
+constexpr const char* kEarlier = ".earlier";
+
 tl::unexpected<Error> refuse(const std::error_code& error, const std::string& what, const fs::path& path) {
   const bool full = error == std::errc::no_space_on_device || error.value() == EDQUOT;
   return fail(full ? ErrorCode::kNoSpace : ErrorCode::kIo, fmt::format("{}: {}", what, error.message()), shown(path));
@@ -43,6 +46,44 @@ void remove_empty_folders(fs::path folder, const fs::path& first_made) {
     folder = folder.parent_path();
   }
 }
+
+// Renames on one disk, and the folders that are made for them.
+class Moves {
+ public:
+  std::error_code move(const fs::path& from, const fs::path& to) {
+    const Move made = {from, to, first_missing(to.parent_path())};
+    std::error_code error;
+    fs::create_directories(to.parent_path(), error);
+    if (!error) fs::rename(from, to, error);
+    if (error) {
+      remove_empty_folders(to.parent_path(), made.first_made);
+    } else {
+      moves_.push_back(made);
+    }
+    return error;
+  }
+
+  // The last one first. Whether all of them could be.
+  bool take_back() {
+    bool all = true;
+    for (; !moves_.empty(); moves_.pop_back()) {
+      const Move& made = moves_.back();
+      std::error_code error;
+      fs::rename(made.to, made.from, error);
+      all = all && !error;
+      remove_empty_folders(made.to.parent_path(), made.first_made);
+    }
+    return all;
+  }
+
+ private:
+  struct Move {
+    fs::path from;
+    fs::path to;
+    fs::path first_made;
+  };
+  std::vector<Move> moves_;
+};
 
 }  // namespace
 
@@ -97,6 +138,28 @@ Expected<void> StagingFolder::publish(const std::vector<fs::path>& names) const 
     fs::rename(path_ / name, path, error);
     if (error) return refuse(error, "cannot be written", path);
     folders.insert(path.parent_path());
+  }
+  for (const fs::path& folder : folders) sync_folder(folder);
+  return {};
+}
+
+Expected<void> StagingFolder::replace(const std::vector<fs::path>& earlier, const std::vector<fs::path>& names) {
+  Moves moves;
+  std::set<fs::path> folders;
+  const auto give_up = [&](const std::error_code& error, const std::string& what, const fs::path& name) {
+    auto refused = refuse(error, what, folder_ / name);
+    if (moves.take_back()) return refused;
+    refused.value().hint = "what was there before is in " + shown(std::exchange(path_, {}) / kEarlier);
+    return refused;
+  };
+  for (const fs::path& name : earlier) {
+    if (const auto error = moves.move(folder_ / name, path_ / kEarlier / name)) {
+      return give_up(error, "cannot be replaced", name);
+    }
+  }
+  for (const fs::path& name : names) {
+    if (const auto error = moves.move(path_ / name, folder_ / name)) return give_up(error, "cannot be written", name);
+    folders.insert((folder_ / name).parent_path());
   }
   for (const fs::path& folder : folders) sync_folder(folder);
   return {};

@@ -33,6 +33,12 @@ class StagingFolder {
   /// folders above them made. \return kIo, kNoSpace; what was renamed before the failing one stays.
   [[nodiscard]] Expected<void> publish(const std::vector<std::filesystem::path>& names) const;
 
+  /// The same where nothing is left under `names` once `earlier` is moved away, in the order given; it goes with the
+  /// hidden folder. \return kIo, kNoSpace; the output folder is as it was then. Should even that be refused, the hidden
+  /// folder stays, and the error says so.
+  [[nodiscard]] Expected<void> replace(const std::vector<std::filesystem::path>& earlier,
+                                       const std::vector<std::filesystem::path>& names);
+
  private:
   StagingFolder(std::filesystem::path folder, std::filesystem::path path, std::filesystem::path first_made);
 

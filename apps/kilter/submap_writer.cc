@@ -6,8 +6,11 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
 #include <iterator>
+#include <optional>
+#include <string_view>
 #include <system_error>
 
 #include "kilter/io/cloud_file.h"
@@ -23,17 +26,17 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::string_view kPoses = "poses.tum";
-constexpr std::size_t kDigits = 6;
+constexpr const char* kElsewhere = "name another folder with -o";
+constexpr std::string_view kFirstLine = "# t x y z qx qy qz qw: T_world_submap\n";
 
-// "000012.ot": a name that this program gives.
-bool is_ours(const std::string& name) {
+// "000012.ot": a name that this program gives where there are more submaps than 12.
+bool is_ours(const std::string& name, std::size_t count) {
   constexpr std::array kFormats = {SubmapFormat::kOt, SubmapFormat::kBt, SubmapFormat::kPcd, SubmapFormat::kPly};
-  const std::size_t dot = name.find('.');
-  if (dot == std::string::npos || dot < kDigits) return false;
-  const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
-  return std::all_of(name.begin(), name.begin() + static_cast<std::ptrdiff_t>(dot), is_digit) &&
+  std::size_t number = 0;
+  const auto [end, status] = std::from_chars(name.data(), name.data() + name.size(), number);
+  return status == std::errc() && number < count &&
          std::any_of(kFormats.begin(), kFormats.end(),
-                     [&](SubmapFormat format) { return name.substr(dot + 1) == extension_of(format); });
+                     [&](SubmapFormat format) { return submap_file(number, format).filename() == name; });
 }
 
 bool is_read_as_submap(const std::string& name) { return has_octree_name(name) || cloud_format_of(name).has_value(); }
@@ -47,31 +50,37 @@ tl::unexpected<Error> refuse(const fs::path& path, std::string message, std::str
   return fail(ErrorCode::kUsage, std::move(message), shown(path), std::move(hint));
 }
 
-// What would be read together with ours, or lost.
-Expected<void> check_entries(const fs::path& folder, const std::vector<std::string>& names, bool replace) {
-  const auto submaps = entries_of(folder / "submaps");
-  if (!submaps) return pass_up(submaps.error());
-  for (const std::string& name : names) {
-    if (!name.starts_with("poses.")) continue;
-    if (name != kPoses) return refuse(folder / name, "poses of somebody else", "name another folder with -o");
-    if (!replace) return refuse(folder, "there are submaps already", "name another folder with -o, or --replace");
-  }
-  for (const std::string& name : *submaps) {
-    if (is_ours(name) && !replace) {
-      return refuse(folder, "there are submaps already", "name another folder with -o, or --replace");
-    }
-    if (!is_ours(name) && is_read_as_submap(name)) {
-      return refuse(folder / "submaps" / name, "a cloud of somebody else", "name another folder with -o");
-    }
-  }
-  return {};
+// Of how many submaps an earlier run of ours left the poses; nothing where there are none, or somebody else's.
+Expected<std::optional<std::size_t>> count_earlier(const fs::path& folder) {
+  const Expected<ByteBuffer> poses = read_file(folder / kPoses);
+  if (!poses && poses.error().code == ErrorCode::kNotFound) return std::nullopt;
+  if (!poses) return pass_up(poses.error());
+  const std::string_view text = poses->view();
+  if (!text.starts_with(kFirstLine)) return std::nullopt;
+  return static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n')) - 1;
 }
 
-Expected<void> remove_file(const fs::path& path) {
-  std::error_code error;
-  fs::remove(path, error);
-  if (!error) return {};
-  return fail(ErrorCode::kIo, fmt::format("cannot be removed: {}", error.message()), shown(path));
+// What would be read together with ours, or lost.
+Expected<void> check_entries(const fs::path& folder, const std::vector<std::string>& names, bool replace) {
+  const auto count = count_earlier(folder);
+  if (!count) return pass_up(count.error());
+  for (const std::string& name : names) {
+    if (!name.starts_with("poses.")) continue;
+    if (name != kPoses || !*count) return refuse(folder / name, "poses of somebody else", kElsewhere);
+    if (!replace) return refuse(folder, "there are submaps already", "name another folder with -o, or --replace");
+  }
+  const auto submaps = entries_of(folder / "submaps");
+  if (!submaps) return pass_up(submaps.error());
+  std::size_t ours = 0;
+  for (const std::string& name : *submaps) {
+    if (*count && is_ours(name, **count) && is_file(folder / "submaps" / name)) {
+      ++ours;
+    } else if (is_read_as_submap(name)) {
+      return refuse(folder / "submaps" / name, "a cloud of somebody else", kElsewhere);
+    }
+  }
+  if (ours <= count->value_or(0)) return {};
+  return refuse(folder / "submaps", "more clouds than poses: some are of somebody else", kElsewhere);
 }
 
 std::string stamp_text(std::int64_t stamp_ns) {
@@ -81,7 +90,7 @@ std::string stamp_text(std::int64_t stamp_ns) {
 }
 
 std::string poses_text(const std::vector<Submap>& submaps, const std::vector<std::int64_t>& stamps_ns) {
-  std::string text = "# t x y z qx qy qz qw: T_world_submap\n";
+  std::string text(kFirstLine);
   for (std::size_t i = 0; i < submaps.size(); ++i) {
     const Eigen::Vector3d& t = submaps[i].T_world_submap.translation_m();
     const Eigen::Quaterniond& q = submaps[i].T_world_submap.rotation();
@@ -125,16 +134,16 @@ Expected<void> check_robot_folder(const fs::path& folder, bool replace) {
   std::error_code error;
   for (const fs::path& path : {folder, folder / "submaps"}) {
     if (fs::is_symlink(fs::symlink_status(path, error))) {
-      return refuse(path, "this is a symlink, and nothing is written through it", "name another folder with -o");
+      return refuse(path, "this is a symlink, and nothing is written through it", kElsewhere);
     }
     if (fs::exists(path, error) && !is_folder(path)) {
-      return refuse(path, "expected a folder to write to, found something else", "name another folder with -o");
+      return refuse(path, "expected a folder to write to, found something else", kElsewhere);
     }
   }
   const auto names = entries_of(folder);
   if (!names) return pass_up(names.error());
   if (is_folder(folder / "scans")) {
-    return refuse(folder, "it holds scans/, and a robot has either scans or submaps", "name another folder with -o");
+    return refuse(folder, "it holds scans/, and a robot has either scans or submaps", kElsewhere);
   }
   return check_entries(folder, *names, replace);
 }
@@ -160,15 +169,18 @@ Expected<WaitingSubmaps> write_submaps(const StagingFolder& staging, const std::
   return waiting;
 }
 
-Expected<void> remove_earlier_submaps(const fs::path& folder) {
-  if (auto done = remove_file(folder / kPoses); !done) return done;
+Expected<std::vector<fs::path>> earlier_submaps(const fs::path& folder) {
+  std::vector<fs::path> earlier;
+  const auto count = count_earlier(folder);
+  if (!count) return pass_up(count.error());
+  if (!*count) return earlier;
+  earlier.emplace_back(kPoses);
   const auto names = entries_of(folder / "submaps");
   if (!names) return pass_up(names.error());
   for (const std::string& name : *names) {
-    if (!is_ours(name)) continue;
-    if (auto done = remove_file(folder / "submaps" / name); !done) return done;
+    if (is_ours(name, **count)) earlier.push_back(fs::path("submaps") / name);
   }
-  return {};
+  return earlier;
 }
 
 }  // namespace kilter::app

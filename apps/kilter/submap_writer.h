@@ -27,8 +27,8 @@ enum class SubmapFormat { kOt, kBt, kPcd, kPly };
 [[nodiscard]] Expected<std::string> submap_bytes(const VoxelMap& map, SubmapFormat format,
                                                  const OccupancyOptions& options);
 
-/// Whether a robot's folder can take submaps, found out before any work: it holds no scans, and no poses or submaps
-/// unless `replace` and they were written by us. \return kUsage, kIo.
+/// Whether a robot's folder can take submaps, found out before any work: it holds no scans, and no poses or clouds
+/// unless `replace` and they were written by us, as the first line of the poses tells. \return kUsage, kIo.
 [[nodiscard]] Expected<void> check_robot_folder(const std::filesystem::path& folder, bool replace);
 
 /// Files that wait for their names, in the order in which they are to get them.
@@ -46,8 +46,8 @@ struct WaitingSubmaps {
                                                      const std::vector<std::int64_t>& stamps_ns, SubmapFormat format,
                                                      const OccupancyOptions& options);
 
-/// Removes what an earlier run wrote into a robot's folder, poses first: without them nobody takes what is left for a
-/// robot. Files of others stay. \return kIo.
-[[nodiscard]] Expected<void> remove_earlier_submaps(const std::filesystem::path& folder);
+/// What an earlier run of ours wrote into a robot's folder, relative to it; poses first: without them nobody takes what
+/// is left for a robot. Nothing where the poses are somebody else's. \return kIo.
+[[nodiscard]] Expected<std::vector<std::filesystem::path>> earlier_submaps(const std::filesystem::path& folder);
 
 }  // namespace kilter::app

@@ -158,10 +158,27 @@ std::vector<std::int64_t> stamps_of(const RobotLog& robot, const std::vector<Sub
   return stamps_ns;
 }
 
+// What is replaced, relative to the output folder, in which others may have written since the work began.
+Expected<std::vector<std::filesystem::path>> earlier_files(const SubmapsCommand& command, const Job& job) {
+  std::vector<std::filesystem::path> earlier;
+  for (const RobotLog& robot : job.mission.robots) {
+    const std::filesystem::path folder = folder_of(command, robot);
+    if (auto fit = check_robot_folder(folder, command.replace); !fit) return pass_up(fit.error());
+    const auto names = earlier_submaps(folder);
+    if (!names) return pass_up(names.error());
+    for (const std::filesystem::path& name : *names) earlier.push_back(robot.name / name);
+  }
+  std::error_code error;
+  const bool has_graph = std::filesystem::exists(
+      std::filesystem::symlink_status(std::filesystem::path(command.output_folder) / kPoseGraph, error));
+  if (has_graph) earlier.emplace_back(kPoseGraph);
+  return earlier;
+}
+
 // Robot by robot, so that no more than one's submaps are in memory; what was there before goes when all are written.
 Done<std::vector<WrittenRobot>> write_all(const SubmapsCommand& command, const Job& job) {
   Progress progress(command.common.progress_style());
-  const Expected<StagingFolder> staging = StagingFolder::make_in(command.output_folder);
+  Expected<StagingFolder> staging = StagingFolder::make_in(command.output_folder);
   if (!staging) return failed(staging.error(), true);
   std::vector<std::filesystem::path> names;
   std::vector<WrittenRobot> written;
@@ -188,10 +205,9 @@ Done<std::vector<WrittenRobot>> write_all(const SubmapsCommand& command, const J
   names.emplace_back(kPoseGraph);
   if (auto done = staging->write(kPoseGraph, submaps_g2o(vertices)); !done) return failed(done.error(), true);
   if (stop_flag()) return failed(stopped());
-  for (const RobotLog& robot : job.mission.robots) {
-    if (auto done = remove_earlier_submaps(folder_of(command, robot)); !done) return failed(done.error(), true);
-  }
-  if (auto done = staging->publish(names); !done) return failed(done.error(), true);
+  const auto earlier = earlier_files(command, job);
+  if (!earlier) return failed(earlier.error(), earlier.error().code != ErrorCode::kUsage);
+  if (auto done = staging->replace(*earlier, names); !done) return failed(done.error(), true);
   return written;
 }
 
