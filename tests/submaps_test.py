@@ -178,8 +178,33 @@ class Submaps(unittest.TestCase):
         self.assertEqual(run.status, 0, run.stderr)
         self.assertIn(f"note: {folder} holds b too, which is not of this run and which `kilter check {folder}` reads with it\n",
                       run.stderr)
+        self.assertIn(f"note: {folder}/submaps.g2o would lack what is not of this run, and is not there\n", run.stderr)
+        self.assertEqual(sorted(path.name for path in folder.iterdir()), ["a", "b"], "a graph of a alone fits nothing")
         self.assertEqual(bytes_below(folder / "b"), before)
         self.assertEqual(run_kilter(*alone, "--quiet").stderr, "")
+        self.assertEqual(run_kilter("submaps", self.tiny.mission, *rough).status, 0)
+        graph = ("--submap-poses", folder / "submaps.g2o", "-o", self.tiny.folder / "graph")
+        self.assertIn(run_kilter("check", folder, *graph).status, (0, 1, 4), "it fits what check reads")
+
+    def test_a_pose_graph_of_others_stays(self):
+        folder = self.tiny.folder / "graphs"
+        graph = folder / "submaps.g2o"
+        command = ("submaps", self.tiny.mission / "a", "-o", folder, "--set", "resolution=0.3")
+        folder.mkdir()
+        graph.write_text("VERTEX_SE3:QUAT 0 0 0 0 0 0 0 1\n")
+        for options in ((), ("--replace",)):
+            run = run_kilter(*command, *options)
+            self.assertEqual((run.status, run.stdout), (2, ""), run.stderr)
+            self.assertIn(f"usage: {graph}: a file of somebody else, in the place of the pose graph\n", run.stderr)
+            self.assertEqual([path.name for path in folder.rglob("*")], ["submaps.g2o"])
+        graph.unlink()
+        self.assertEqual(run_kilter(*command).status, 0)
+        alone = ("submaps", f"c={self.tiny.mission / 'b'}", "-o", folder, "--set", "resolution=0.3")
+        run = run_kilter(*alone)
+        self.assertEqual((run.status, run.stdout), (2, ""), run.stderr)
+        self.assertIn(f"usage: {graph}: there is a pose graph already\n", run.stderr)
+        self.assertEqual(run_kilter(*alone, "--replace").status, 0)
+        self.assertEqual(sorted(path.name for path in folder.iterdir()), ["a", "c"])
 
     def test_the_folder_of_a_robot_is_none_for_submaps_of_others(self):
         before = sorted(self.tiny.mission.rglob("*"))

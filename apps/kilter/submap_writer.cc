@@ -19,6 +19,7 @@
 #include "kilter/io/octree_writer.h"
 #include "kilter/report/cloud_pcd.h"
 #include "kilter/report/cloud_ply.h"
+#include "kilter/report/constraints_g2o.h"
 
 namespace kilter::app {
 namespace {
@@ -28,6 +29,7 @@ namespace fs = std::filesystem;
 constexpr std::string_view kPoses = "poses.tum";
 constexpr const char* kElsewhere = "name another folder with -o";
 constexpr std::string_view kFirstLine = "# t x y z qx qy qz qw: T_world_submap\n";
+constexpr std::string_view kFirstLineOfGraph = "# kilter submaps: T_world_submap of each\n";
 
 // "000012.ot": a name that this program gives where there are more submaps than 12.
 bool is_ours(const std::string& name, std::size_t count) {
@@ -52,8 +54,8 @@ tl::unexpected<Error> refuse(const fs::path& path, std::string message, std::str
 
 // Of how many submaps an earlier run of ours left the poses; nothing where there are none, or somebody else's.
 Expected<std::optional<std::size_t>> count_earlier(const fs::path& folder) {
+  if (!is_file(folder / kPoses)) return std::nullopt;
   const Expected<ByteBuffer> poses = read_file(folder / kPoses);
-  if (!poses && poses.error().code == ErrorCode::kNotFound) return std::nullopt;
   if (!poses) return pass_up(poses.error());
   const std::string_view text = poses->view();
   if (!text.starts_with(kFirstLine)) return std::nullopt;
@@ -146,6 +148,21 @@ Expected<void> check_robot_folder(const fs::path& folder, bool replace) {
     return refuse(folder, "it holds scans/, and a robot has either scans or submaps", kElsewhere);
   }
   return check_entries(folder, *names, replace);
+}
+
+std::string pose_graph_text(const std::vector<SubmapSummary>& submaps) {
+  return std::string(kFirstLineOfGraph) + submaps_g2o(submaps);
+}
+
+Expected<void> check_pose_graph(const fs::path& file, bool replace) {
+  std::error_code error;
+  if (!fs::exists(fs::symlink_status(file, error))) return {};
+  const Expected<ByteBuffer> graph = read_file(file);
+  if (!graph || !graph->view().starts_with(kFirstLineOfGraph)) {
+    return refuse(file, "a file of somebody else, in the place of the pose graph", kElsewhere);
+  }
+  if (replace) return {};
+  return refuse(file, "there is a pose graph already", "name another folder with -o, or --replace");
 }
 
 Expected<WaitingSubmaps> write_submaps(const StagingFolder& staging, const std::string& robot,

@@ -10,6 +10,7 @@
 #include "apps/kilter/staging_folder.h"
 #include "kilter/base/expected.h"
 #include "kilter/occupancy/occupancy_options.h"
+#include "kilter/pipeline/result.h"
 #include "kilter/submap/submap.h"
 
 namespace kilter::app {
@@ -30,6 +31,15 @@ enum class SubmapFormat { kOt, kBt, kPcd, kPly };
 /// Whether a robot's folder can take submaps, found out before any work: it holds no scans, and no poses or clouds
 /// unless `replace` and they were written by us, as the first line of the poses tells. \return kUsage, kIo.
 [[nodiscard]] Expected<void> check_robot_folder(const std::filesystem::path& folder, bool replace);
+
+/// The pose graph of all submaps, beside the robots' folders.
+inline constexpr const char* kPoseGraph = "submaps.g2o";
+
+/// Its text, whose first line tells that it is ours.
+[[nodiscard]] std::string pose_graph_text(const std::vector<SubmapSummary>& submaps);
+
+/// Whether a pose graph may be written there: nothing stands there, or `replace` and one of ours. \return kUsage.
+[[nodiscard]] Expected<void> check_pose_graph(const std::filesystem::path& file, bool replace);
 
 /// Files that wait for their names, in the order in which they are to get them.
 struct WaitingSubmaps {

@@ -29,15 +29,12 @@
 #include "kilter/io/sources/robot_folder.h"
 #include "kilter/io/usable_points.h"
 #include "kilter/pipeline/submap_store.h"
-#include "kilter/report/constraints_g2o.h"
 #include "kilter/report/json_writer.h"
 #include "kilter/report/text_lines.h"
 #include "kilter/submap/build_submaps.h"
 
 namespace kilter::app {
 namespace {
-
-constexpr const char* kPoseGraph = "submaps.g2o";
 
 struct SubmapsCommand {
   CommonOptions common;
@@ -77,6 +74,10 @@ using Done = tl::expected<T, Failure>;
 
 tl::unexpected<Failure> failed(Error error, bool is_output = false) {
   return tl::unexpected<Failure>(Failure{std::move(error), is_output});
+}
+
+std::filesystem::path graph_of(const SubmapsCommand& command) {
+  return std::filesystem::path(command.output_folder) / kPoseGraph;
 }
 
 std::filesystem::path folder_of(const SubmapsCommand& command, const RobotLog& robot) {
@@ -127,6 +128,7 @@ Done<void> check_output(const SubmapsCommand& command, const Job& job) {
       return failed(fit.error(), fit.error().code != ErrorCode::kUsage);
     }
   }
+  if (auto fit = check_pose_graph(graph_of(command), command.replace); !fit) return failed(fit.error());
   return {};
 }
 
@@ -168,15 +170,26 @@ Expected<std::vector<std::filesystem::path>> earlier_files(const SubmapsCommand&
     if (!names) return pass_up(names.error());
     for (const std::filesystem::path& name : *names) earlier.push_back(robot.name / name);
   }
+  if (auto fit = check_pose_graph(graph_of(command), command.replace); !fit) return pass_up(fit.error());
   std::error_code error;
-  const bool has_graph = std::filesystem::exists(
-      std::filesystem::symlink_status(std::filesystem::path(command.output_folder) / kPoseGraph, error));
-  if (has_graph) earlier.emplace_back(kPoseGraph);
+  if (std::filesystem::exists(graph_of(command), error)) earlier.emplace_back(kPoseGraph);
   return earlier;
 }
 
+// Robots that an earlier run left there, or that somebody put there: one `check` of the folder reads them all.
+std::vector<std::string> find_others(const SubmapsCommand& command, const Job& job) {
+  const std::filesystem::path folder = command.output_folder;
+  std::vector<std::string> others;
+  for (const std::string& name : list_folder(folder).value_or(std::vector<std::string>())) {
+    const bool is_ours = std::any_of(job.mission.robots.begin(), job.mission.robots.end(),
+                                     [&](const RobotLog& robot) { return robot.name == name; });
+    if (!is_ours && !name.starts_with('.') && is_robot_folder(folder / name)) others.push_back(name);
+  }
+  return others;
+}
+
 // Robot by robot, so that no more than one's submaps are in memory; what was there before goes when all are written.
-Done<std::vector<WrittenRobot>> write_all(const SubmapsCommand& command, const Job& job) {
+Done<std::vector<WrittenRobot>> write_all(const SubmapsCommand& command, const Job& job, bool with_graph) {
   Progress progress(command.common.progress_style());
   Expected<StagingFolder> staging = StagingFolder::make_in(command.output_folder);
   if (!staging) return failed(staging.error(), true);
@@ -202,8 +215,10 @@ Done<std::vector<WrittenRobot>> write_all(const SubmapsCommand& command, const J
       vertex.T_world_submap = submap.T_world_submap;
     }
   }
-  names.emplace_back(kPoseGraph);
-  if (auto done = staging->write(kPoseGraph, submaps_g2o(vertices)); !done) return failed(done.error(), true);
+  if (with_graph) {
+    names.emplace_back(kPoseGraph);
+    if (auto done = staging->write(kPoseGraph, pose_graph_text(vertices)); !done) return failed(done.error(), true);
+  }
   if (stop_flag()) return failed(stopped());
   const auto earlier = earlier_files(command, job);
   if (!earlier) return failed(earlier.error(), earlier.error().code != ErrorCode::kUsage);
@@ -248,20 +263,12 @@ void print_notes(const SubmapsCommand& command, const Job& job) {
   }
 }
 
-// Robots that an earlier run left there, or that somebody put there: one `check` of the folder reads them all.
-void print_note_on_others(const SubmapsCommand& command, const Job& job) {
-  const std::filesystem::path folder = command.output_folder;
-  const Expected<std::vector<std::string>> names = list_folder(folder);
-  if (command.common.quiet || !names) return;
-  std::vector<std::string> others;
-  for (const std::string& name : *names) {
-    const bool is_ours = std::any_of(job.mission.robots.begin(), job.mission.robots.end(),
-                                     [&](const RobotLog& robot) { return robot.name == name; });
-    if (!is_ours && !name.starts_with('.') && is_robot_folder(folder / name)) others.push_back(name);
-  }
-  if (others.empty()) return;
-  print_note(fmt::format("{} holds {} too, which {} not of this run and which `kilter check {}` reads with it",
-                         shown(folder), some_of(others), others.size() == 1 ? "is" : "are", shell_word(shown(folder))));
+void print_note_on_others(const SubmapsCommand& command, const std::vector<std::string>& others) {
+  if (command.common.quiet || others.empty()) return;
+  const std::string folder = shown(std::filesystem::path(command.output_folder));
+  print_note(fmt::format("{} holds {} too, which {} not of this run and which `kilter check {}` reads with it", folder,
+                         some_of(others), others.size() == 1 ? "is" : "are", shell_word(folder)));
+  print_note(fmt::format("{} would lack what is not of this run, and is not there", shown(graph_of(command))));
 }
 
 int finish(const Failure& failure) {
@@ -275,9 +282,11 @@ int run_submaps(const SubmapsCommand& command) {
   catch_stop_signals();
   if (auto fit = check_output(command, *job); !fit) return finish(fit.error());
   print_notes(command, *job);
-  const Done<std::vector<WrittenRobot>> written = write_all(command, *job);
+  // A graph of a part of what `check` finds in the folder would fit nothing.
+  const std::vector<std::string> others = find_others(command, *job);
+  const Done<std::vector<WrittenRobot>> written = write_all(command, *job, others.empty());
   if (!written) return finish(written.error());
-  print_note_on_others(command, *job);
+  print_note_on_others(command, others);
   const Expected<void> done = print_out(command.common.json ? as_json(command, *written) : as_text(command, *written));
   return done ? kExitGood : finish({done.error(), true});
 }
