@@ -53,6 +53,15 @@ class OutputFolder(CheckCase):
             self.assertEqual((run.status, run.stdout), (5, ""))
             self.assertRegex(run.stderr, r"(?m)^io: .*x: nothing can be written there: File name too long$")
 
+    def test_a_robot_whose_name_the_disk_does_not_take_is_found_out_before_any_work(self):
+        for command, name, file in (("check", "x" * 252, r"maps/x+\.ply"), ("submaps", "x" * 300, r"x+(/submaps/000000\.ot)?")):
+            run = run_kilter(command, f"{name}={self.tiny.mission / 'a'}", "-o", self.out, "--verbose",
+                             *(("--maps",) if command == "check" else ()))
+            self.assertEqual((run.status, run.stdout), (5, ""), run.stderr)
+            self.assertRegex(run.stderr, rf"(?m)^io: {re.escape(str(self.out))}/{file}: cannot be written: File name too long$")
+            self.assertNotIn("submaps of", run.stderr)
+            self.assertFalse(self.out.exists())
+
     @unittest.skipUnless(os.path.isdir("/proc/self"), "there is no /proc here")
     def test_a_folder_that_cannot_be_made_is_found_out_before_any_work(self):
         for command in ("check", "submaps", "simulate"):
@@ -136,11 +145,11 @@ class OutputFolder(CheckCase):
         self.assertFalse(self.out.exists())
 
     def stopped_while_writing(self, folder: Path, *arguments: object) -> tuple[int, str, str]:
-        """Status and words of a run that is asked to stop once a file waits for its name in `folder`."""
+        """Status and words of a run that is asked to stop while a file is written that will wait for its name in `folder`."""
         for _ in range(10):
             with subprocess.Popen([str(kilter_binary()), *map(str, arguments)], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
                                   text=True) as run:
-                while run.poll() is None and not any(folder.glob(".kilter-*/*")):
+                while run.poll() is None and not any(folder.glob(".kilter-*/*.part")):
                     time.sleep(0.0002)
                 run.terminate()
                 stdout, stderr = run.communicate()
@@ -164,7 +173,7 @@ class OutputFolder(CheckCase):
     @unittest.skipIf("KILTER_INSTRUMENTED" in os.environ, "sanitizers cannot be traced")
     def test_a_stop_while_it_looks_whether_it_can_write_leaves_nothing(self):
         # Otherwise it takes microseconds to make and remove a folder.
-        slow = ["strace", "-o", "/dev/null", "-e", "trace=rmdir,unlinkat", "-e", "inject=rmdir,unlinkat:delay_enter=1000000"]
+        slow = ["strace", "-o", "/dev/null", "-e", "trace=rmdir,unlinkat", "-e", "inject=rmdir,unlinkat:delay_enter=1000000:when=1"]
         if not shutil.which("strace") or subprocess.run([*slow, "true"], capture_output=True, check=False).returncode != 0:
             self.skipTest("no strace that can be used")
         for command in ("check", "submaps"):

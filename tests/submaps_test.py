@@ -206,6 +206,13 @@ class Submaps(unittest.TestCase):
         self.assertEqual(run_kilter(*alone, "--replace").status, 0)
         self.assertEqual(sorted(path.name for path in folder.iterdir()), ["a", "c"])
 
+    def test_a_robot_of_the_pose_graphs_name_is_refused_before_any_work(self):
+        folder = self.tiny.folder / "namesake"
+        run = run_kilter("submaps", f"submaps.g2o={self.tiny.mission / 'a'}", "-o", folder, "--verbose")
+        self.assertEqual((run.status, run.stdout), (2, ""), run.stderr)
+        self.assertRegex(run.stderr, "^usage: .*/submaps.g2o: the pose graph of all submaps gets that name")
+        self.assertFalse(folder.exists())
+
     def test_the_folder_of_a_robot_is_none_for_submaps_of_others(self):
         before = sorted(self.tiny.mission.rglob("*"))
         run = run_kilter("submaps", self.tiny.mission, "-o", self.tiny.mission / "a", "--replace")

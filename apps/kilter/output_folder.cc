@@ -53,9 +53,17 @@ Expected<void> probe_output_folder(const fs::path& folder, const std::vector<fs:
     if (auto fit = check_name(folder, name); !fit) return fit;
   }
   Expected<StagingFolder> made = StagingFolder::make_in(folder);
-  if (made) return {};
-  made.error().hint = "name another folder with -o";
-  return pass_up(made.error());
+  if (!made) {
+    made.error().hint = "name another folder with -o";
+    return pass_up(made.error());
+  }
+  for (const fs::path& name : names) {
+    Expected<void> fit = made->try_name(name);
+    if (fit) continue;
+    fit.error().hint = "name another folder with -o, or call the robot otherwise: NAME=PATH";
+    return fit;
+  }
+  return {};
 }
 
 Expected<void> check_output_file(const fs::path& file, std::string_view extension,

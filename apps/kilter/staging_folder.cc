@@ -9,6 +9,7 @@
 #include <system_error>
 #include <utility>
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -117,6 +118,16 @@ Expected<StagingFolder> StagingFolder::make_in(const fs::path& folder) {
     return refuse(error, "nothing can be written into it", folder);
   }
   return StagingFolder(folder, name, first_made);
+}
+
+Expected<void> StagingFolder::try_name(const fs::path& name) const {
+  std::error_code error;
+  fs::create_directories((path_ / name).parent_path(), error);
+  if (error) return refuse(error, "cannot be written", folder_ / name);
+  const int file = ::open((path_ / name).c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
+  if (file < 0) return refuse({errno, std::generic_category()}, "cannot be written", folder_ / name);
+  ::close(file);
+  return {};
 }
 
 Expected<void> StagingFolder::write(const fs::path& name, std::string_view bytes) const {

@@ -26,6 +26,10 @@ class StagingFolder {
 
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
 
+  /// Whether a file of that name can wait here: long ones, and two of which one is the other's folder, cannot.
+  /// \return kIo, kNoSpace with the final name.
+  [[nodiscard]] Expected<void> try_name(const std::filesystem::path& name) const;
+
   /// Writes a file that waits for its name, relative to the output folder. \return kIo, kNoSpace with the final name.
   [[nodiscard]] Expected<void> write(const std::filesystem::path& name, std::string_view bytes) const;
 

@@ -114,6 +114,10 @@ Done<void> check_output(const SubmapsCommand& command, const Job& job) {
   if (auto fit = probe_output_folder(command.output_folder, {kPoseGraph}); !fit) return failed(fit.error(), true);
   std::vector<std::filesystem::path> names = {kPoseGraph};
   for (const RobotLog& robot : job.mission.robots) {
+    if (robot.name == kPoseGraph) {
+      return failed({ErrorCode::kUsage, "the pose graph of all submaps gets that name, and a robot has it",
+                     shown(folder_of(command, robot)), "call the robot otherwise: NAME=PATH"});
+    }
     names.push_back(std::filesystem::path(robot.name) / submap_file(0, command.format));
   }
   if (auto fit = check_apart_from_clouds(command.output_folder, names, command.sources, job.mission); !fit) {
@@ -129,6 +133,7 @@ Done<void> check_output(const SubmapsCommand& command, const Job& job) {
     }
   }
   if (auto fit = check_pose_graph(graph_of(command), command.replace); !fit) return failed(fit.error());
+  if (auto fit = probe_output_folder(command.output_folder, names); !fit) return failed(fit.error(), true);
   return {};
 }
 
