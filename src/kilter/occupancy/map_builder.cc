@@ -167,6 +167,7 @@ SurfaceVoxels MapBuilder::summarise_hits(const std::vector<VoxelBlock>& occupied
     const VoxelIndex voxel = voxel_at(point_m, options_.resolution_m);
     const std::int32_t number = index.find(block_of(voxel));
     KILTER_EXPECTS(number != BlockIndex::kNone);
+    if (number == BlockIndex::kNone) continue;  // cannot be; if it is, a hit is lost rather than memory read
     const VoxelBlock& block = occupied[static_cast<std::size_t>(number)];
     const int bit = bit_of(voxel);
     if ((block.occupied[static_cast<std::size_t>(bit >> 6)] >> (bit & 63) & 1) == 0) continue;

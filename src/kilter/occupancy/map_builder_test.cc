@@ -111,6 +111,19 @@ TEST(MapBuilder, IgnoresWhatLiesOffTheLattice) {
   EXPECT_EQ(builder.finish().voxels().size(), 0U);
 }
 
+TEST(MapBuilder, PointsAtOppositeEndsOfAFineLatticeAreVoxels) {
+  const std::vector<Eigen::Vector3d> points = {{9999, 9999, 9999}, {-9999, -9999, -9999}, {1, 2, 3}, {-1, 2, -3}};
+  MapBuilder builder({.resolution_m = 0.005});
+  builder.insert_points(points);
+  const VoxelMap map = builder.finish();
+  EXPECT_EQ(map.voxels().size(), points.size());
+  for (const Eigen::Vector3d& point : points) {
+    const std::int64_t voxel = map.find_voxel(voxel_at(point, 0.005));
+    ASSERT_GE(voxel, 0);
+    EXPECT_EQ(map.voxels().centroids_m[static_cast<std::size_t>(voxel)], point.cast<float>());
+  }
+}
+
 TEST(MapBuilder, AskingWhetherToGoOnChangesNothingAndANoEndsTheScan) {
   const OccupancyOptions options = {.resolution_m = 0.1, .min_range_m = 0.0, .max_range_m = 3000.0};
   Rng rng(8, 0);

@@ -17,8 +17,8 @@ namespace kilter {
 ///
 /// The blocks of a scan lie in a window whose sides are powers of two, so that a voxel's place in the window is one
 /// number: 3 bits of x, y and z inside its block (bit_of), then the block's x, y and z. A table over the window's
-/// blocks says where the bytes are. A window that is too large for a table (kMostDenseBits) is served by a hash map
-/// instead, and only by mark().
+/// blocks says where the bytes are. A window that is too large for a table (kMostDenseBits) has no places, which need
+/// not fit 64 bits there: it is served by a hash map over block keys instead, and only by mark().
 class ScanMarks {
  public:
   static constexpr std::uint8_t kMiss = 1;
@@ -26,7 +26,7 @@ class ScanMarks {
   static constexpr int kBitBits = 3 * kBlockShift;
   static constexpr int kMostDenseBits = 24;
 
-  /// Where voxels of the window have their place.
+  /// Where voxels of a dense window have their place.
   struct Window {
     Eigen::Vector3i low = Eigen::Vector3i::Zero();   ///< first block
     Eigen::Vector3i bits = Eigen::Vector3i::Zero();  ///< log2 of the blocks on each side
@@ -56,20 +56,20 @@ class ScanMarks {
 
   /// Marks a voxel of the window.
   void mark(const VoxelIndex& voxel, std::uint8_t what) {
-    const std::uint64_t place = window_.place(voxel);
-    const std::uint64_t block = place >> kBitBits;
-    std::uint32_t offset = is_dense() ? table_[block] : sparse_[block];
+    const bool dense = is_dense();
+    const std::uint64_t block = dense ? window_.place(voxel) >> kBitBits : block_key(block_of(voxel));
+    std::uint32_t offset = dense ? table_[block] : sparse_[block];
     if (offset == 0) offset = open(block);
-    bytes_[offset + (place & (kBlockVoxels - 1))] = what;
+    bytes_[offset + static_cast<std::size_t>(bit_of(voxel))] = what;
   }
 
   /// The window's table, by place >> kBitBits: where the block's marks begin in bytes(), 0 for none yet. Dense windows
   /// only.
   [[nodiscard]] const std::uint32_t* table() const { return table_.data(); }
   [[nodiscard]] std::uint8_t* bytes() { return bytes_.data(); }
-  /// A place outside the window that may be marked all the same: nobody asks.
+  /// A place outside the window that may be marked all the same: nobody asks. Dense windows only.
   [[nodiscard]] std::uint64_t nowhere() const { return std::uint64_t{1} << (window_.total_bits() + kBitBits); }
-  /// Gives a block of the table its bytes; moves bytes(), not table().
+  /// Gives a block (of the table, or by its key) its bytes; moves bytes(), not table().
   std::uint32_t open(std::uint64_t block);
 
   /// What the marks since begin() take.
@@ -84,7 +84,7 @@ class ScanMarks {
   Window window_;
   std::vector<std::uint32_t> table_;
   std::unordered_map<std::uint64_t, std::uint32_t> sparse_;
-  std::vector<std::uint64_t> opened_;
+  std::vector<std::uint64_t> opened_;  // by place >> kBitBits, or by key
   std::vector<std::uint8_t> bytes_;
 };
 
@@ -93,7 +93,9 @@ void ScanMarks::take(const Visit& visit) {
   for (std::size_t i = 0; i < opened_.size(); ++i) {
     const std::span<std::uint8_t, kBlockVoxels> marks(bytes_.data() + (i + 1) * kBlockVoxels, kBlockVoxels);
     const std::uint64_t place = opened_[i] << kBitBits;
-    if (place != nowhere()) visit(window_.block(place), std::span<const std::uint8_t, kBlockVoxels>(marks));
+    const bool is_nowhere = is_dense() && place == nowhere();
+    const Eigen::Vector3i block = is_dense() ? window_.block(place) : block_of_key(opened_[i]);
+    if (!is_nowhere) visit(block, std::span<const std::uint8_t, kBlockVoxels>(marks));
     std::fill(marks.begin(), marks.end(), std::uint8_t{0});
     if (is_dense()) table_[opened_[i]] = 0;
   }

@@ -119,5 +119,24 @@ TEST(ScanMarks, WindowsTooLargeForATableHoldTheSame) {
   EXPECT_EQ(take_all(marks), expected);
 }
 
+// Places there would take 66 bits.
+TEST(ScanMarks, TheWholeLatticeIsAWindow) {
+  constexpr int kLast = kMaxVoxelIndex - 1;
+  ScanMarks marks;
+  marks.begin(block_of(VoxelIndex::Constant(-kLast)), block_of(VoxelIndex::Constant(kLast)));
+  std::map<Place, int> expected;
+  for (const int x : {-kLast, 0, kLast}) {
+    for (const int y : {-kLast, 0, kLast}) {
+      for (const int z : {-kLast, -kLast / 2, 0, kLast}) {
+        marks.mark({x, y, z}, ScanMarks::kHit);
+        expected[{x, y, z}] = ScanMarks::kHit;
+      }
+    }
+  }
+  EXPECT_EQ(take_all(marks), expected);
+  marks.begin({-1, -1, -1}, {1, 1, 1});
+  EXPECT_TRUE(take_all(marks).empty());
+}
+
 }  // namespace
 }  // namespace kilter
