@@ -9,6 +9,7 @@
 #include <optional>
 #include <utility>
 
+#include "kilter/base/lowest_failure.h"
 #include "kilter/pipeline/draw_picture.h"
 #include "kilter/pipeline/measure_pair.h"
 #include "kilter/pipeline/pair_schedule.h"
@@ -86,22 +87,18 @@ Expected<BuiltSubmaps> build_all(const std::vector<RobotLog>& robots, std::vecto
   built.nodes = std::move(plan);
   built.coarse.resize(built.nodes.size());
   built.summaries.resize(built.nodes.size());
-  std::vector<std::optional<Error>> errors(built.nodes.size());
+  LowestFailure failure;
   parallel_for(built.nodes.size(), run, [&](std::size_t i) {
+    if (failure.is_before(i)) return;
     const RobotLog& robot = robots[static_cast<std::size_t>(built.nodes[i].robot)];
     Expected<Submap> submap = build_submap(robot, built.nodes[i], options.submap.occupancy, run);
-    if (!submap) {
-      errors[i] = submap.error();
-      return;
-    }
+    if (!submap) return failure.keep(i, submap.error());
     built.coarse[i] = CoarseMap(submap->map, kMaxCoarseCells);
     built.summaries[i] = summary_of(*submap, robot.name);
     built.nodes[i] = static_cast<const SubmapNode&>(*submap);
-    if (Expected<void> kept = store.add(submap->id, std::move(submap->map)); !kept) errors[i] = kept.error();
+    if (Expected<void> kept = store.add(submap->id, std::move(submap->map)); !kept) failure.keep(i, kept.error());
   });
-  for (const std::optional<Error>& error : errors) {
-    if (error) return pass_up(*error);
-  }
+  if (const auto done = failure.result(); !done) return pass_up(done.error());
   if (run.stop_requested()) return fail(ErrorCode::kCancelled, "stopped while building submaps");
   return built;
 }

@@ -57,6 +57,22 @@ TEST(Check, AgreeingRobotsMakeAConsistentMap) {
   }
 }
 
+TEST(Check, AScanThatCannotBeReadEndsItBeforeFurtherSubmapsAreBegun) {
+  std::vector<RobotLog> robots = two_robots({});
+  int reads = 0;
+  for (RobotLog& robot : robots) {
+    robot.read_cloud = [&reads, read = robot.read_cloud](std::size_t scan) -> Expected<PointCloud> {
+      ++reads;
+      if (scan == 1) return fail(ErrorCode::kParse, "broken");
+      return read(scan);
+    };
+  }
+  const auto result = check(robots, small_submaps(), {}, {.threads = 1});
+  ASSERT_FALSE(result);
+  EXPECT_EQ(result.error().message, "broken");
+  EXPECT_EQ(reads, 2);
+}
+
 TEST(Check, ADisplacedRobotIsFoundWithItsOffset) {
   const auto result = check(two_robots(Pose3::from_translation(0.0, 0.25, 0.0)), small_submaps(), {}, {.threads = 2});
   ASSERT_TRUE(result.has_value());

@@ -3,32 +3,16 @@
 #include "kilter/pipeline/pair_schedule.h"
 
 #include <algorithm>
-#include <mutex>
 #include <numeric>
-#include <optional>
 #include <tuple>
+
+#include "kilter/base/lowest_failure.h"
 
 namespace kilter {
 namespace {
 
 // Sixteen submaps are few enough for any budget, and stay in a large cache.
 constexpr int kTile = 8;
-
-class FirstFailure {
- public:
-  void keep(const Error& error) {
-    const std::scoped_lock lock(mutex_);
-    if (!error_) error_ = error;
-  }
-  [[nodiscard]] Expected<void> result() const {
-    if (error_) return pass_up(*error_);
-    return {};
-  }
-
- private:
-  std::mutex mutex_;
-  std::optional<Error> error_;
-};
 
 }  // namespace
 
@@ -48,11 +32,12 @@ std::vector<std::size_t> order_for_reuse(std::span<const PairId> pairs) {
 Expected<void> for_each_pair(std::span<const SubmapNode> nodes, SubmapStore& store, std::span<const PairId> pairs,
                              const RunContext& run, const std::function<void(std::size_t, const PlacedPair&)>& body) {
   const std::vector<std::size_t> order = order_for_reuse(pairs);
-  FirstFailure failure;
+  LowestFailure failure;
   parallel_for(order.size(), run, [&](std::size_t k) {
+    if (failure.is_before(k)) return;
     const PairId id = pairs[order[k]];
     const Expected<PinnedPair> maps = store.pin(id);
-    if (!maps) return failure.keep(maps.error());
+    if (!maps) return failure.keep(k, maps.error());
     body(order[k], {{*maps->source, nodes[static_cast<std::size_t>(id.source.value)].T_world_submap},
                     {*maps->target, nodes[static_cast<std::size_t>(id.target.value)].T_world_submap}});
   });
@@ -61,10 +46,11 @@ Expected<void> for_each_pair(std::span<const SubmapNode> nodes, SubmapStore& sto
 
 Expected<void> for_each_submap(SubmapStore& store, std::size_t count, const RunContext& run,
                                const std::function<void(std::size_t, const SearchableMap&)>& body) {
-  FirstFailure failure;
+  LowestFailure failure;
   parallel_for(count, run, [&](std::size_t i) {
+    if (failure.is_before(i)) return;
     const Expected<PinnedMap> map = store.pin(SubmapId{static_cast<int>(i)});
-    if (!map) return failure.keep(map.error());
+    if (!map) return failure.keep(i, map.error());
     body(i, **map);
   });
   return failure.result();

@@ -33,7 +33,7 @@ struct PlacedPair {
 
 /// Calls `body(i, pair)` for every pairs[i], on at most `run.threads` threads, in the order for reuse, both maps held
 /// by the store meanwhile. `body` must only write to what belongs to i. Stops early once a stop is requested. \return
-/// what the store failed with; some pairs were left out then.
+/// what the store failed with first in that order; pairs after it may be left out then.
 [[nodiscard]] Expected<void> for_each_pair(std::span<const SubmapNode> nodes, SubmapStore& store,
                                            std::span<const PairId> pairs, const RunContext& run,
                                            const std::function<void(std::size_t, const PlacedPair&)>& body);

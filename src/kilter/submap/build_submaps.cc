@@ -8,6 +8,7 @@
 #include <string>
 #include <utility>
 
+#include "kilter/base/lowest_failure.h"
 #include "kilter/occupancy/map_builder.h"
 
 namespace kilter {
@@ -151,15 +152,16 @@ Expected<std::vector<Submap>> build_submaps(const RobotLog& log, int robot_numbe
                                             const RunContext& run, const std::optional<std::vector<ScanRange>>& cuts) {
   const Expected<std::vector<SubmapNode>> plan = plan_submaps(log, robot_number, options.cutting, cuts);
   if (!plan) return pass_up(plan.error());
-  std::vector<Expected<Submap>> built(plan->size(), stopped());
-  parallel_for(plan->size(), run,
-               [&](std::size_t i) { built[i] = build_submap(log, (*plan)[i], options.occupancy, run); });
-  std::vector<Submap> submaps;
-  submaps.reserve(built.size());
-  for (Expected<Submap>& submap : built) {
-    if (!submap) return pass_up(submap.error());
-    submaps.push_back(*std::move(submap));
-  }
+  std::vector<Submap> submaps(plan->size());
+  LowestFailure failure;
+  parallel_for(plan->size(), run, [&](std::size_t i) {
+    if (failure.is_before(i)) return;
+    Expected<Submap> submap = build_submap(log, (*plan)[i], options.occupancy, run);
+    if (!submap) return failure.keep(i, submap.error());
+    submaps[i] = *std::move(submap);
+  });
+  if (const auto done = failure.result(); !done) return pass_up(done.error());
+  if (run.stop_requested()) return stopped();
   return submaps;
 }
 

@@ -39,7 +39,8 @@ struct SubmapOptions {
 
 /// All of one robot's submaps, planned and built, submaps in parallel.
 ///
-/// \return submaps in order with ids 0, 1, ...; the first error of build_submap in scan order, or of plan_submaps.
+/// \return submaps in order with ids 0, 1, ...; the first error of build_submap in scan order, after which no further
+/// submap is begun, or of plan_submaps.
 [[nodiscard]] Expected<std::vector<Submap>> build_submaps(const RobotLog& log, int robot_number,
                                                           const SubmapOptions& options, const RunContext& run,
                                                           const std::optional<std::vector<ScanRange>>& cuts = {});

@@ -98,6 +98,22 @@ TEST(BuildSubmaps, ReadingErrorsAndCancellationComeBack) {
   EXPECT_EQ(build_submaps(wall_log(12), 0, {}, {.cancelled = &cancelled}).error().code, ErrorCode::kCancelled);
 }
 
+TEST(BuildSubmaps, NoSubmapIsBegunAfterOneThatFailed) {
+  for (const int threads : {1, 2}) {
+    std::atomic<int> reads = 0;
+    RobotLog log = wall_log(400);
+    log.read_cloud = [&reads, read = log.read_cloud](std::size_t scan) -> Expected<PointCloud> {
+      ++reads;
+      if (scan == 3 || scan == 11) return fail(ErrorCode::kParse, "broken", std::to_string(scan));
+      return read(scan);
+    };
+    const auto submaps = build_submaps(log, 0, {}, {.threads = threads});
+    ASSERT_FALSE(submaps);
+    EXPECT_EQ(submaps.error().where, "3") << threads;
+    EXPECT_LE(reads, threads == 1 ? 4 : 200);
+  }
+}
+
 // A scan whose rays go 90 m into all directions of space.
 RobotLog scattered_log() {
   RobotLog log = wall_log(2);
