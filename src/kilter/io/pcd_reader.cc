@@ -12,6 +12,7 @@
 #include "kilter/io/byte_cursor.h"
 #include "kilter/io/file.h"
 #include "kilter/io/number_text.h"
+#include "kilter/io/packed_points.h"
 #include "kilter/io/pcd_header.h"
 #include "kilter/io/random_access_file.h"
 #include "kilter/io/text_points.h"
@@ -121,6 +122,7 @@ Expected<CompressedBlock> take_block(ByteCursor& bytes, const PcdHeader& header,
                 fmt::format("{} bytes of LZF data cannot hold the {} that are claimed", packed_bytes, unpacked_bytes),
                 where);
   }
+  if (auto ok = check_packed_points(header.points, packed_bytes, where); !ok) return pass_up(ok.error());
   return CompressedBlock{*packed, unpacked_bytes};
 }
 

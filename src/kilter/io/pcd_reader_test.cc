@@ -239,6 +239,17 @@ TEST(ReadPcd, RefusesOtherFilesAndVersions) {
   expect_error({.fields = names}, ErrorCode::kUnsupported, "more than 1024 fields");
 }
 
+TEST(ReadPcd, RefusesMorePointsThanCompressedBytesJustify) {
+  PcdBytes pcd = {.size = "1 1 1", .type = "I I I", .data = "binary_compressed"};
+  pcd.width = pcd.points = "1048576";
+  pcd.body = compressed(std::string(3 * 1048576, '\5'));
+  ASSERT_TRUE(read(pcd));
+  EXPECT_EQ(read(pcd)->points_m.size(), 1048576U);
+  pcd.width = pcd.points = "1048577";
+  pcd.body = compressed(std::string(3 * 1048577, '\5'));
+  expect_error(pcd, ErrorCode::kUnsupported, "claim to hold 1048577 points; of so few at most 1048576 are unpacked");
+}
+
 TEST(ReadPcd, RefusesCompressedBlocksThatLie) {
   const auto block = [](std::uint32_t packed, std::uint32_t unpacked, const std::string& bytes) {
     std::string body;

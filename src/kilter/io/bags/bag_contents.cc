@@ -213,7 +213,7 @@ Expected<MessageBytes> read_message(const BagReader& file, const MessagePlace& p
   Expected<ByteBuffer> bytes = unpack_zstd_frame(message->bytes, file.where(place));
   if (!bytes) return pass_up(bytes.error());
   auto owner = std::make_shared<const ByteBuffer>(*std::move(bytes));
-  return MessageBytes{owner, owner->view()};
+  return MessageBytes{owner, owner->view(), std::min<std::uint64_t>(message->packed_bytes, message->bytes.size())};
 }
 
 std::string list_topics(std::span<const BagTopic> topics) {

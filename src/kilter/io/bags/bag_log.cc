@@ -9,6 +9,7 @@
 
 #include "kilter/base/contract.h"
 #include "kilter/io/bags/point_cloud2.h"
+#include "kilter/io/packed_points.h"
 
 namespace kilter {
 namespace {
@@ -27,6 +28,11 @@ Expected<PointCloud> read_cloud(const OpenBag& bag, std::size_t i) {
   const BagReader& file = *bag.files[cloud.file];
   const auto message = read_message(file, cloud.place, bag.encoding);
   if (!message) return pass_up(message.error());
+  // A head that promises more than its message holds is refused for that.
+  if (cloud.points <= message->bytes.size()) {
+    const auto ok = check_packed_points(cloud.points, message->packed_bytes, file.where(cloud.place));
+    if (!ok) return pass_up(ok.error());
+  }
   Expected<PointCloud> points = read_point_cloud2(message->bytes, bag.encoding, file.where(cloud.place));
   if (!points || bag.T_sensor_cloud.empty()) return points;
   for (Eigen::Vector3f& point_m : points->points_m) {

@@ -58,6 +58,36 @@ Expected<RobotLog> log_within(UnpackingBudget budget, std::unique_ptr<BagReader>
   return make_bag_log("a", std::move(files), {}, "run", notes, budget);
 }
 
+// So many points of a byte for each coordinate, all the same.
+RecordedMessage equal_points(std::uint32_t points) {
+  kilter_testing::RosBytes bytes(kCdr);
+  bytes.header(kStart, "lidar").number(std::uint32_t{1}).number(points).number(std::uint32_t{3});
+  for (std::uint32_t i = 0; i < 3; ++i) {
+    bytes.text(std::string(1, static_cast<char>('x' + i))).number(i).number(std::uint8_t{1}).number(std::uint32_t{1});
+  }
+  bytes.number(std::uint8_t{0}).number(std::uint32_t{3}).number(3 * points).number(3 * points);
+  bytes.raw(std::string(std::size_t{3} * points, '\5')).number(std::uint8_t{1});
+  return {"/points", "sensor_msgs/PointCloud2", kStart, bytes.str()};
+}
+
+TEST(BagLog, RefusesMorePointsThanPackedBytesJustify) {
+  using kilter_testing::BagPacking;
+  for (const BagPacking packing : {BagPacking::kNone, BagPacking::kLz4}) {
+    for (const std::uint32_t points : {1U << 20, (1U << 20) + 1}) {
+      const bool is_refused = packing != BagPacking::kNone && points > 1U << 20;
+      const std::string mcap = mcap_bytes({odometry(0, 0.0), equal_points(points)}, {.packing = packing});
+      std::vector<std::string> notes;
+      const auto log = log_within({}, open_mcap(RandomAccessFile::over(mcap, "run")).value(), notes);
+      ASSERT_TRUE(log) << to_string(log.error());
+      const auto read = log->read_cloud(0);
+      ASSERT_EQ(read.has_value(), !is_refused);
+      if (!is_refused) continue;
+      EXPECT_EQ(read.error().code, ErrorCode::kUnsupported);
+      EXPECT_THAT(read.error().message, HasSubstr("claim to hold 1048577 points"));
+    }
+  }
+}
+
 TEST(BagLog, CountsWhatItHasNoBudgetToUnpack) {
   // Chunks of two messages, one cloud in three; the first chunk is always read.
   const std::string bag = rosbag1_bytes(small_drive(RosDialect::kRos1, 6),

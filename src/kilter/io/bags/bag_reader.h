@@ -39,6 +39,7 @@ struct MessagePlace {
 struct MessageBytes {
   std::shared_ptr<const ByteBuffer> owner;
   std::string_view bytes;
+  std::uint64_t packed_bytes = 0;  ///< what it was unpacked from, as part of its chunk or alone; else its own
 };
 
 /// A message as the walk comes by it.

@@ -50,13 +50,14 @@ Expected<MessageBytes> ChunkStore::read(const MessagePlace& place) const {
     Expected<ByteBuffer> bytes = file_.read(place.offset, place.size);
     if (!bytes) return pass_up(bytes.error());
     auto owner = std::make_shared<const ByteBuffer>(*std::move(bytes));
-    return MessageBytes{owner, owner->view()};
+    return MessageBytes{owner, owner->view(), owner->size()};
   }
   auto owner = chunk(place.chunk);
   if (!owner) return pass_up(owner.error());
   const std::string_view all = (*owner)->view();
   KILTER_EXPECTS(place.offset <= all.size() && place.size <= all.size() - place.offset);
-  return MessageBytes{*owner, all.substr(static_cast<std::size_t>(place.offset), static_cast<std::size_t>(place.size))};
+  return MessageBytes{*owner, all.substr(static_cast<std::size_t>(place.offset), static_cast<std::size_t>(place.size)),
+                      chunks_[place.chunk].packed_bytes};
 }
 
 std::string ChunkStore::where(const MessagePlace& place) const {

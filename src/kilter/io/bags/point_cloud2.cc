@@ -67,6 +67,10 @@ Layout take_layout(MessageCursor& cursor) {
   return layout;
 }
 
+bool overlap(const Field& a, const Field& b) {
+  return a.offset < std::uint64_t{b.offset} + size_of(b.type) && b.offset < std::uint64_t{a.offset} + size_of(a.type);
+}
+
 Expected<void> check_fields(const Layout& layout, const std::string& where) {
   constexpr std::string_view kNames = "xyz";
   if (layout.unknown_type) {
@@ -84,6 +88,14 @@ Expected<void> check_fields(const Layout& layout, const std::string& where) {
                   fmt::format("the field {} at byte {} lies outside the {} bytes of a point", kNames.substr(axis, 1),
                               field->offset, layout.point_step),
                   where);
+    }
+    // Else a point of one byte could stand for three numbers, and a small message for very many.
+    for (std::size_t other = 0; other < axis; ++other) {
+      if (!overlap(*field, *layout.xyz[other])) continue;
+      return fail(
+          ErrorCode::kParse,
+          fmt::format("the fields {} and {} share bytes of a point", kNames.substr(other, 1), kNames.substr(axis, 1)),
+          where, "look at the program that wrote it");
     }
   }
   return {};

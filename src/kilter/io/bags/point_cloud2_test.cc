@@ -23,6 +23,7 @@ struct CloudParts {
   std::uint32_t width = 1;
   std::array<std::string, 3> names = {"x", "y", "z"};
   std::uint32_t offset = 1;
+  std::uint32_t between = 8;
   std::uint8_t datatype = 8;
   std::uint32_t point_step = 25;
   std::uint32_t row_step = 30;
@@ -32,7 +33,7 @@ struct CloudParts {
     RosBytes bytes(RosDialect::kRos1);
     bytes.header(1, "lidar").number(height).number(width).number(std::uint32_t{3});
     for (std::uint32_t i = 0; i < 3; ++i) {
-      bytes.text(names[i]).number(offset + 8 * i).number(datatype).number(std::uint32_t{1});
+      bytes.text(names[i]).number(offset + between * i).number(datatype).number(std::uint32_t{1});
     }
     std::string data;
     for (int row = 0; row < 2; ++row) {
@@ -90,6 +91,8 @@ TEST(PointCloud2, RefusesLayoutsThatContradictTheirData) {
   EXPECT_EQ(refusal({.names = {"x", "y", "height"}}), ErrorCode::kParse);
   EXPECT_EQ(refusal({.offset = 2}), ErrorCode::kParse);
   EXPECT_EQ(refusal({.offset = 0xFFFFFFF8}), ErrorCode::kParse);
+  EXPECT_EQ(refusal({.between = 0}), ErrorCode::kParse);
+  EXPECT_EQ(refusal({.between = 7}), ErrorCode::kParse);
   EXPECT_EQ(refusal({.datatype = 9}), ErrorCode::kParse);
   EXPECT_EQ(refusal({.datatype = 0}), ErrorCode::kParse);
   EXPECT_EQ(refusal({.point_step = 0}), ErrorCode::kParse);

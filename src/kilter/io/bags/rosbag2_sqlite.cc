@@ -205,7 +205,7 @@ Expected<MessageBytes> Rosbag2Sqlite::read(const MessagePlace& place) const {
   }();
   if (!bytes) return pass_up(bytes.error());
   auto owner = std::make_shared<const ByteBuffer>(*std::move(bytes));
-  return MessageBytes{owner, owner->view()};
+  return MessageBytes{owner, owner->view(), owner->size()};
 }
 
 void guard(sqlite3* database) {
