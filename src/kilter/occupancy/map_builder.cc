@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "kilter/occupancy/map_builder.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -17,8 +19,12 @@ namespace {
 // Rays that are traced between two questions whether to go on pass at most so many: some hundredths of a second, and a
 // few hundred megabytes if no two of them share a block.
 constexpr double kVoxelsBetweenQuestions = 6e6;
-// Of one scan: places in its marks are 32 bits.
+// Of one scan: places in its marks are 32 bits. A window of so few bits never holds more.
 constexpr std::size_t kMostMarkBytes = std::size_t{3} << 30;
+constexpr int kBitsOfFewMarks = 22;
+constexpr std::size_t kHitsBetweenQuestions = 1'000'000;  // half a gigabyte if no two share a block
+// Of a cloud's point while it is taken: twice where a ray ends, and a hit.
+constexpr std::size_t kBytesAReturn = 2 * 3 * sizeof(float) + 16;
 constexpr std::uint32_t kNoOrigin = std::numeric_limits<std::uint32_t>::max();
 
 bool on_lattice(const Eigen::Vector3d& point_m, double resolution_m) {
@@ -26,7 +32,30 @@ bool on_lattice(const Eigen::Vector3d& point_m, double resolution_m) {
   return std::abs(point_m.x()) < end_m && std::abs(point_m.y()) < end_m && std::abs(point_m.z()) < end_m;
 }
 
+template <typename Take>
+void move_some_at_a_time(std::span<const Eigen::Vector3f> points_m, const Pose3& T_map_cloud, const Take& take) {
+  constexpr std::size_t kSome = 4096;
+  const Eigen::Isometry3d T = T_map_cloud.isometry();
+  std::vector<Eigen::Vector3d> some_m;
+  some_m.reserve(std::min(kSome, points_m.size()));
+  for (std::size_t first = 0; first < points_m.size(); first += kSome) {
+    some_m.clear();
+    for (const Eigen::Vector3f& point_m : points_m.subspan(first, std::min(kSome, points_m.size() - first))) {
+      some_m.emplace_back(T * point_m.cast<double>());
+    }
+    take(some_m);
+  }
+}
+
 }  // namespace
+
+Error too_much_of_a_scan(std::string where) {
+  return {
+      ErrorCode::kUnsupported,
+      fmt::format("expected a cloud that touches at most {:.0f} million cubes of {} voxels across, and it does more",
+                  static_cast<double>(kMostMarkBytes / kBlockVoxels) / 1e6, kBlockSize),
+      std::move(where), "use a coarser resolution or a smaller max_range, or leave points far from all others out"};
+}
 
 MapBuilder::MapBuilder(const OccupancyOptions& options) : MapBuilder(options, vector_paths().back()) {}
 
@@ -35,19 +64,66 @@ MapBuilder::MapBuilder(const OccupancyOptions& options, VectorPath path)
 
 bool MapBuilder::insert_scan(std::span<const Eigen::Vector3d> points_m, const Eigen::Vector3d& origin_m,
                              const KeepGoing& keep_going) {
+  if (!begin_scan(origin_m, points_m.size())) return true;
+  take_returns(points_m, origins_m_.back());
+  return finish_scan(keep_going);
+}
+
+bool MapBuilder::insert_scan(std::span<const Eigen::Vector3f> points_m, const Pose3& T_map_scan,
+                             const KeepGoing& keep_going) {
+  if (keep_going && !keep_going(held_bytes() + points_m.size() * kBytesAReturn)) return false;
+  if (!begin_scan(T_map_scan.translation_m(), points_m.size())) return true;
+  move_some_at_a_time(points_m, T_map_scan, [&](const auto& some_m) { take_returns(some_m, origins_m_.back()); });
+  return finish_scan(keep_going);
+}
+
+bool MapBuilder::insert_points(std::span<const Eigen::Vector3d> points_m, const KeepGoing& keep_going) {
+  begin_returns(points_m.size());
+  take_points(points_m);
+  return finish_points(keep_going);
+}
+
+bool MapBuilder::insert_points(std::span<const Eigen::Vector3f> points_m, const Pose3& T_map_cloud,
+                               const KeepGoing& keep_going) {
+  if (keep_going && !keep_going(held_bytes() + points_m.size() * kBytesAReturn)) return false;
+  begin_returns(points_m.size());
+  move_some_at_a_time(points_m, T_map_cloud, [&](const auto& some_m) { take_points(some_m); });
+  return finish_points(keep_going);
+}
+
+// \return false if all of the scan is left out.
+bool MapBuilder::begin_scan(const Eigen::Vector3d& origin_m, std::size_t points) {
   if (!on_lattice(origin_m, options_.resolution_m)) {
-    points_off_lattice_ += points_m.size();
-    return true;
+    points_off_lattice_ += points;
+    return false;
   }
   has_free_space_ = true;
-  const Eigen::Vector3f from_m = origin_m.cast<float>();
-  origins_m_.push_back(from_m);
-  const std::size_t hits = take_returns(points_m, from_m);
+  origins_m_.push_back(origin_m.cast<float>());
+  begin_returns(points);
+  beyond_m_.clear_for(points);
+  return true;
+}
+
+bool MapBuilder::finish_scan(const KeepGoing& keep_going) {
+  const Eigen::Vector3f from_m = origins_m_.back();
+  const std::size_t hits = ends_m_.count;
+  hits_.resize(first_hit_ + hits);
+  for (std::size_t i = 0; i < beyond_m_.count; ++i) ends_m_.add(beyond_m_[i]);
   Eigen::AlignedBox3f box_m(from_m);
   for (std::size_t i = 0; i < ends_m_.count; ++i) box_m.extend(ends_m_[i]);
   open_window(box_m);
-  if (!trace(from_m, keep_going)) return false;
-  kernels().mark_hits(ends_m_, hits, options_.resolution_m, marks_);
+  if (!trace(from_m, keep_going) || !mark_hits(hits, keep_going)) return false;
+  apply_marks();
+  return true;
+}
+
+bool MapBuilder::finish_points(const KeepGoing& keep_going) {
+  hits_.resize(first_hit_ + ends_m_.count);
+  if (ends_m_.count == 0) return true;
+  Eigen::AlignedBox3f box_m;
+  for (std::size_t i = 0; i < ends_m_.count; ++i) box_m.extend(ends_m_[i]);
+  open_window(box_m);
+  if (!mark_hits(ends_m_.count, keep_going)) return false;
   apply_marks();
   return true;
 }
@@ -57,51 +133,68 @@ std::size_t MapBuilder::held_bytes() const {
   return blocks_.held_bytes() + 2 * marks_.held_bytes() + hits_.size() * sizeof(Hit);
 }
 
-// A scan's rays, some at a time if somebody asks: marks do not depend on what is traced together.
-bool MapBuilder::trace(const Eigen::Vector3f& from_m, const KeepGoing& keep_going) {
-  const auto mark = kernels().trace;
-  const double voxels_a_ray = 3.0 * options_.max_range_m / options_.resolution_m;
-  const auto at_once = static_cast<std::size_t>(std::clamp(kVoxelsBetweenQuestions / voxels_a_ray, 16.0, 1e6));
-  if (!keep_going || ends_m_.count <= at_once) {
-    mark(from_m, ends_m_, options_.resolution_m, marks_);
-    return !keep_going || keep_going(held_bytes());
-  }
-  for (std::size_t first = 0; first < ends_m_.count; first += at_once) {
-    const std::size_t last = std::min(first + at_once, ends_m_.count);
+// The first `count` ends some at a time: marks do not depend on what is marked together.
+template <typename Mark>
+bool MapBuilder::mark_in_parts(std::size_t count, std::size_t at_once, const KeepGoing& keep_going, const Mark& mark) {
+  for (std::size_t first = 0; first < count; first += at_once) {
+    const std::size_t last = std::min(first + at_once, count);
     some_ends_m_.clear_for(last - first);
     for (std::size_t i = first; i < last; ++i) some_ends_m_.add(ends_m_[i]);
-    mark(from_m, some_ends_m_, options_.resolution_m, marks_);
-    if (!keep_going(held_bytes()) || marks_.held_bytes() > kMostMarkBytes) return false;
+    mark(some_ends_m_);
+    if (keep_going && !keep_going(held_bytes())) return false;
+    if (marks_.held_bytes() > kMostMarkBytes) return false;
   }
   return true;
 }
 
-void MapBuilder::insert_points(std::span<const Eigen::Vector3d> points_m) {
-  ends_m_.clear_for(points_m.size());
-  Eigen::AlignedBox3f box_m;
+// A scan's rays, some at a time if somebody asks or their marks may be too many.
+bool MapBuilder::trace(const Eigen::Vector3f& from_m, const KeepGoing& keep_going) {
+  const auto mark = kernels().trace;
+  const double voxels_a_ray = 3.0 * options_.max_range_m / options_.resolution_m;
+  const double least = marks_.is_dense() ? 16.0 : 1.0;  // without a table nothing is traced together
+  const auto at_once = static_cast<std::size_t>(std::clamp(kVoxelsBetweenQuestions / voxels_a_ray, least, 1e6));
+  const bool may_be_many = keep_going || marks_.window().total_bits() > kBitsOfFewMarks;
+  if (!may_be_many || ends_m_.count <= at_once) {
+    mark(from_m, ends_m_, options_.resolution_m, marks_);
+    return !keep_going || keep_going(held_bytes());
+  }
+  return mark_in_parts(ends_m_.count, at_once, keep_going,
+                       [&](const RayEnds& some_m) { mark(from_m, some_m, options_.resolution_m, marks_); });
+}
+
+bool MapBuilder::mark_hits(std::size_t count, const KeepGoing& keep_going) {
+  const auto mark = kernels().mark_hits;
+  if (count <= kHitsBetweenQuestions) {
+    mark(ends_m_, count, options_.resolution_m, marks_);
+    return true;
+  }
+  return mark_in_parts(count, kHitsBetweenQuestions, keep_going,
+                       [&](const RayEnds& some_m) { mark(some_m, some_m.count, options_.resolution_m, marks_); });
+}
+
+// Makes room for so many hits, of which those that are not taken are given back in the end.
+void MapBuilder::begin_returns(std::size_t most) {
+  ends_m_.clear_for(most);
+  first_hit_ = hits_.size();
+  hits_.resize(first_hit_ + most);
+}
+
+void MapBuilder::take_points(std::span<const Eigen::Vector3d> points_m) {
+  Hit* const hits = hits_.data() + first_hit_;
   for (const Eigen::Vector3d& point_m : points_m) {
     if (!on_lattice(point_m, options_.resolution_m)) {
       ++points_off_lattice_;
       continue;
     }
-    hits_.push_back({point_m.cast<float>(), kNoOrigin});
-    ends_m_.add(hits_.back().point_m);
-    box_m.extend(hits_.back().point_m);
+    hits[ends_m_.count] = {point_m.cast<float>(), kNoOrigin};
+    ends_m_.add(hits[ends_m_.count].point_m);
   }
-  if (box_m.isEmpty()) return;
-  open_window(box_m);
-  kernels().mark_hits(ends_m_, ends_m_.count, options_.resolution_m, marks_);
-  apply_marks();
 }
 
-// Sorts out which points are returns and where their rays end. \return how many are hits, which come first.
-std::size_t MapBuilder::take_returns(std::span<const Eigen::Vector3d> points_m, const Eigen::Vector3f& origin_m) {
-  ends_m_.clear_for(points_m.size());
-  beyond_m_.clear_for(points_m.size());
+// Sorts out which points are returns and where their rays end.
+void MapBuilder::take_returns(std::span<const Eigen::Vector3d> points_m, const Eigen::Vector3f& origin_m) {
   const auto origin = static_cast<std::uint32_t>(origins_m_.size() - 1);
-  const std::size_t first_hit = hits_.size();
-  hits_.resize(first_hit + points_m.size());
-  Hit* const hits = hits_.data() + first_hit;
+  Hit* const hits = hits_.data() + first_hit_;
   for (const Eigen::Vector3d& point_m : points_m) {
     if (!on_lattice(point_m, options_.resolution_m)) {
       ++points_off_lattice_;
@@ -119,10 +212,6 @@ std::size_t MapBuilder::take_returns(std::span<const Eigen::Vector3d> points_m, 
     const Eigen::Vector3f end_m = origin_m + direction * static_cast<float>(options_.max_range_m);
     if (on_lattice(end_m.cast<double>(), options_.resolution_m)) beyond_m_.add(end_m);
   }
-  const std::size_t count = ends_m_.count;
-  hits_.resize(first_hit + count);
-  for (std::size_t i = 0; i < beyond_m_.count; ++i) ends_m_.add(beyond_m_[i]);
-  return count;
 }
 
 // A block more on every side, into which rays may be led by rounding.

@@ -8,9 +8,12 @@
 #include <cstdint>
 #include <functional>
 #include <span>
+#include <string>
 #include <vector>
 
+#include "kilter/base/expected.h"
 #include "kilter/base/vector_path.h"
+#include "kilter/geometry/pose3.h"
 #include "kilter/occupancy/block_store.h"
 #include "kilter/occupancy/occupancy_options.h"
 #include "kilter/occupancy/scan_marks.h"
@@ -33,13 +36,20 @@ class MapBuilder {
 
   /// Adds one scan. Both in the map's frame, rounded to float. [m] A point at the origin is no return. What lies off
   /// the lattice is left out and counted; all of a scan whose origin does. O(points * range / resolution).
-  /// \return false if `keep_going` said so: the scan is then in it in part, and the builder good for nothing.
+  /// \return false if `keep_going` said so, or the scan alone is too much (too_much_of_a_scan): it is then in it in
+  /// part, and the builder good for nothing.
   bool insert_scan(std::span<const Eigen::Vector3d> points_m, const Eigen::Vector3d& origin_m,
                    const KeepGoing& keep_going = {});
 
   /// Adds points without a sensor origin: one hit for each voxel, nothing becomes free. What lies off
   /// the lattice is left out and counted.
-  void insert_points(std::span<const Eigen::Vector3d> points_m);
+  /// \return as insert_scan.
+  bool insert_points(std::span<const Eigen::Vector3d> points_m, const KeepGoing& keep_going = {});
+
+  /// The same of clouds in their own frames, a scan's being its sensor's. Points are moved some at a time, so that no
+  /// copy of them all is made; before they are taken, `keep_going` is asked with what they will take besides.
+  bool insert_scan(std::span<const Eigen::Vector3f> points_m, const Pose3& T_map_scan, const KeepGoing& keep_going);
+  bool insert_points(std::span<const Eigen::Vector3f> points_m, const Pose3& T_map_cloud, const KeepGoing& keep_going);
 
   /// Points that were left out so far because they, or their scan's origin, lie off the lattice.
   [[nodiscard]] std::size_t points_off_lattice() const { return points_off_lattice_; }
@@ -53,8 +63,17 @@ class MapBuilder {
     std::uint32_t origin = 0;
   };
 
-  std::size_t take_returns(std::span<const Eigen::Vector3d> points_m, const Eigen::Vector3f& origin_m);
+  void begin_returns(std::size_t most);
+  void take_returns(std::span<const Eigen::Vector3d> points_m, const Eigen::Vector3f& origin_m);
+  void take_points(std::span<const Eigen::Vector3d> points_m);
+  [[nodiscard]] bool begin_scan(const Eigen::Vector3d& origin_m, std::size_t points);
+  [[nodiscard]] bool finish_scan(const KeepGoing& keep_going);
+  [[nodiscard]] bool finish_points(const KeepGoing& keep_going);
   [[nodiscard]] std::size_t held_bytes() const;
+  template <typename Mark>
+  [[nodiscard]] bool mark_in_parts(std::size_t count, std::size_t at_once, const KeepGoing& keep_going,
+                                   const Mark& mark);
+  [[nodiscard]] bool mark_hits(std::size_t count, const KeepGoing& keep_going);
   [[nodiscard]] bool trace(const Eigen::Vector3f& from_m, const KeepGoing& keep_going);
   void open_window(const Eigen::AlignedBox3f& box_m);
   [[nodiscard]] RayKernels kernels() const;
@@ -71,7 +90,11 @@ class MapBuilder {
   RayEnds beyond_m_;  // the latter alone
   RayEnds some_ends_m_;
   std::vector<Hit> hits_;
+  std::size_t first_hit_ = 0;  // of the scan that is being taken
   std::vector<Eigen::Vector3f> origins_m_;
 };
+
+/// That a scan, or a cloud of points alone, touches more of the map than can be marked at once. \param where  its file.
+[[nodiscard]] Error too_much_of_a_scan(std::string where);
 
 }  // namespace kilter

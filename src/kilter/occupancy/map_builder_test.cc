@@ -124,6 +124,56 @@ TEST(MapBuilder, PointsAtOppositeEndsOfAFineLatticeAreVoxels) {
   }
 }
 
+void expect_same(const VoxelMap& map, const VoxelMap& same) {
+  EXPECT_EQ(map.indices(), same.indices());
+  EXPECT_EQ(map.voxels().centroids_m, same.voxels().centroids_m);
+  EXPECT_EQ(map.voxels().normals, same.voxels().normals);
+  EXPECT_EQ(map.voxels().log_odds, same.voxels().log_odds);
+  EXPECT_EQ(map.voxels().seen_at, same.voxels().seen_at);
+  ASSERT_EQ(map.blocks().size(), same.blocks().size());
+  for (std::size_t i = 0; i < map.blocks().size(); ++i) EXPECT_EQ(map.blocks()[i].free, same.blocks()[i].free);
+}
+
+TEST(MapBuilder, CloudsInTheirOwnFramesMakeTheMapOfTheirMovedPoints) {
+  Rng rng(9, 0);
+  const Pose3 T_map_scan(Eigen::Quaterniond(Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, 3).normalized())),
+                         Eigen::Vector3d(3.0, -2.0, 1.0));
+  for (const std::size_t count : {0U, 1U, 4096U, 10'000U}) {
+    std::vector<Eigen::Vector3f> points;
+    std::vector<Eigen::Vector3d> moved;
+    for (std::size_t i = 0; i < count; ++i) {
+      points.push_back(Eigen::Vector3d(rng.uniform(-40, 40), rng.uniform(-9, 9), rng.uniform(-9, 9)).cast<float>());
+      moved.emplace_back(T_map_scan.isometry() * points.back().cast<double>());
+    }
+    MapBuilder scan({.resolution_m = 0.1});
+    MapBuilder moved_scan({.resolution_m = 0.1});
+    scan.insert_scan(points, T_map_scan, {});
+    moved_scan.insert_scan(moved, T_map_scan.translation_m());
+    expect_same(scan.finish(), moved_scan.finish());
+    MapBuilder cloud({.resolution_m = 0.1});
+    MapBuilder moved_cloud({.resolution_m = 0.1});
+    cloud.insert_points(points, T_map_scan, {});
+    moved_cloud.insert_points(moved);
+    expect_same(cloud.finish(), moved_cloud.finish());
+  }
+}
+
+TEST(MapBuilder, MoreHitsThanAreMarkedTogetherMakeTheSameMap) {
+  Rng rng(10, 0);
+  std::vector<Eigen::Vector3d> once;
+  for (int i = 0; i < 300'000; ++i) once.emplace_back(rng.uniform(-9, 9), rng.uniform(-9, 9), rng.uniform(-9, 9));
+  std::vector<Eigen::Vector3d> four_times = once;
+  for (int time = 1; time < 4; ++time) four_times.insert(four_times.end(), once.begin(), once.end());
+  MapBuilder few({.resolution_m = 0.1});
+  MapBuilder many({.resolution_m = 0.1});
+  few.insert_points(once);
+  many.insert_points(four_times);
+  const VoxelMap map = few.finish();
+  const VoxelMap same = many.finish();
+  EXPECT_EQ(map.indices(), same.indices());
+  EXPECT_EQ(map.voxels().log_odds, same.voxels().log_odds);
+}
+
 TEST(MapBuilder, AskingWhetherToGoOnChangesNothingAndANoEndsTheScan) {
   const OccupancyOptions options = {.resolution_m = 0.1, .min_range_m = 0.0, .max_range_m = 3000.0};
   Rng rng(8, 0);

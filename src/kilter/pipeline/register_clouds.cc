@@ -15,17 +15,12 @@ namespace kilter {
 namespace {
 
 Expected<VoxelMap> map_of(const PointCloud& cloud, const std::optional<OccupancyCells>& cells, bool scan,
-                          const OccupancyOptions& options) {
+                          const std::string& name, const OccupancyOptions& options) {
   if (cells) return map_from_cells(*cells, options);
-  std::vector<Eigen::Vector3d> points_m;
-  points_m.reserve(cloud.points_m.size());
-  for (const Eigen::Vector3f& point_m : cloud.points_m) points_m.push_back(point_m.cast<double>());
   MapBuilder builder(options);
-  if (scan) {
-    builder.insert_scan(points_m, Eigen::Vector3d::Zero());
-  } else {
-    builder.insert_points(points_m);
-  }
+  const bool done =
+      scan ? builder.insert_scan(cloud.points_m, Pose3(), {}) : builder.insert_points(cloud.points_m, Pose3(), {});
+  if (!done) return pass_up(too_much_of_a_scan(name));
   return builder.finish();
 }
 
@@ -50,7 +45,8 @@ Expected<PairMeasurement> register_clouds(const CloudPair& clouds, const CheckOp
   std::array<std::unique_ptr<const SearchableMap>, 2> maps;
   std::array<std::optional<Error>, 2> errors;
   parallel_for(sides.size(), {run.threads, nullptr, {}}, [&](std::size_t i) {
-    Expected<VoxelMap> map = map_of(*sides[i], *cells[i], clouds.scans, own.submap.occupancy);
+    Expected<VoxelMap> map = map_of(*sides[i], *cells[i], clouds.scans,
+                                    i == 0 ? clouds.target_name : clouds.source_name, own.submap.occupancy);
     if (map) {
       maps[i] = std::make_unique<const SearchableMap>(*std::move(map), search_setup(own));
     } else {

@@ -52,7 +52,7 @@ constexpr std::size_t kLeastWhileGrowing = std::size_t{256} << 20;
 
 Error too_large(std::size_t held_bytes, std::size_t limit_bytes, std::string where) {
   return {ErrorCode::kOutOfMemory,
-          fmt::format("the map that this scan goes into takes {:.0f} MB while it is made, and may take {:.0f} MB",
+          fmt::format("the map that this cloud goes into takes {:.0f} MB while it is made, and may take {:.0f} MB",
                       static_cast<double>(held_bytes) / 1e6, static_cast<double>(limit_bytes) / 1e6),
           std::move(where), "raise --memory, or use a coarser resolution or a smaller max_range"};
 }
@@ -62,23 +62,19 @@ Expected<void> integrate(const RobotLog& log, std::size_t scan, const Pose3& T_s
   Expected<PointCloud> cloud = log.read_cloud(scan);
   if (!cloud) return pass_up(cloud.error());
   submap.dropped_points += cloud->dropped_nonfinite + cloud->dropped_far;
-  std::vector<Eigen::Vector3d> points_m;
-  points_m.reserve(cloud->points_m.size());
-  const Eigen::Isometry3d T = T_submap_scan.isometry();
-  for (const Eigen::Vector3f& point : cloud->points_m) points_m.emplace_back(T * point.cast<double>());
-  if (log.finished_submaps) {
-    builder.insert_points(points_m);
-  } else {
-    const std::size_t limit_bytes = std::max(kBudgetsWhileGrowing * run.memory_bytes, kLeastWhileGrowing);
-    std::size_t held_bytes = 0;
-    const bool done = builder.insert_scan(points_m, T_submap_scan.translation_m(), [&](std::size_t bytes) {
-      held_bytes = bytes;
-      return !run.stop_requested() && (run.memory_bytes == 0 || bytes <= limit_bytes);
-    });
-    if (run.stop_requested()) return stopped();
-    if (!done) return pass_up(too_large(held_bytes, limit_bytes, log.cloud_name(scan)));
-    submap.origins_m.push_back(T_submap_scan.translation_m());
-  }
+  const std::size_t limit_bytes = std::max(kBudgetsWhileGrowing * run.memory_bytes, kLeastWhileGrowing);
+  std::size_t held_bytes = 0;
+  const auto fits = [&] { return run.memory_bytes == 0 || held_bytes <= limit_bytes; };
+  const MapBuilder::KeepGoing keep_going = [&](std::size_t bytes) {
+    held_bytes = bytes;
+    return !run.stop_requested() && fits();
+  };
+  const bool done = log.finished_submaps ? builder.insert_points(cloud->points_m, T_submap_scan, keep_going)
+                                         : builder.insert_scan(cloud->points_m, T_submap_scan, keep_going);
+  if (run.stop_requested()) return stopped();
+  if (!done && fits()) return pass_up(too_much_of_a_scan(log.cloud_name(scan)));
+  if (!done) return pass_up(too_large(held_bytes, limit_bytes, log.cloud_name(scan)));
+  if (!log.finished_submaps) submap.origins_m.push_back(T_submap_scan.translation_m());
   return {};
 }
 

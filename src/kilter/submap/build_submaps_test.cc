@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "kilter/base/rng.h"
+#include "testing/allocation_watch.h"
 
 namespace kilter {
 namespace {
@@ -137,6 +138,24 @@ TEST(BuildSubmaps, AMapThatOutgrowsTheBudgetWhileItIsMadeEndsTheRunAtItsScan) {
   EXPECT_EQ(submaps.error().code, ErrorCode::kOutOfMemory);
   EXPECT_EQ(submaps.error().where, "0");
   EXPECT_NE(submaps.error().message.find("may take 268 MB"), std::string::npos) << submaps.error().message;
+}
+
+TEST(BuildSubmaps, ABudgetIsHeldAgainstPointsBeforeTheyAreTaken) {
+  for (const bool finished : {false, true}) {
+    RobotLog log = wall_log(1);
+    log.finished_submaps = finished;
+    log.read_cloud = [](std::size_t) -> Expected<PointCloud> {
+      PointCloud cloud;
+      cloud.points_m.assign(7'000'000, {5.0F, 5.0F, 5.0F});
+      return cloud;
+    };
+    kilter_testing::largest_allocation() = 0;
+    const auto submaps = build_submaps(log, 0, {}, {.memory_bytes = 1'000'000});
+    ASSERT_FALSE(submaps);
+    EXPECT_EQ(submaps.error().code, ErrorCode::kOutOfMemory);
+    EXPECT_NE(submaps.error().message.find("takes 280 MB"), std::string::npos) << submaps.error().message;
+    EXPECT_EQ(kilter_testing::largest_allocation(), 7'000'000 * sizeof(Eigen::Vector3f)) << "the cloud itself";
+  }
 }
 
 TEST(BuildSubmaps, AStopIsHeardAfterTheLastScanWasRead) {
