@@ -5,12 +5,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
-#include <limits>
 #include <utility>
 
-#include "kilter/base/contract.h"
 #include "kilter/occupancy/surface_normals.h"
 
 namespace kilter {
@@ -24,8 +21,7 @@ constexpr std::size_t kMostMarkBytes = std::size_t{3} << 30;
 constexpr int kBitsOfFewMarks = 22;
 constexpr std::size_t kHitsBetweenQuestions = 1'000'000;  // half a gigabyte if no two share a block
 // Of a cloud's point while it is taken: twice where a ray ends, and a hit.
-constexpr std::size_t kBytesAReturn = 2 * 3 * sizeof(float) + 16;
-constexpr std::uint32_t kNoOrigin = std::numeric_limits<std::uint32_t>::max();
+constexpr std::size_t kBytesAReturn = 2 * 3 * sizeof(float) + sizeof(HitSums::Hit);
 
 bool on_lattice(const Eigen::Vector3d& point_m, double resolution_m) {
   const double end_m = resolution_m * (kMaxVoxelIndex - 1);
@@ -60,7 +56,7 @@ Error too_much_of_a_scan(std::string where) {
 MapBuilder::MapBuilder(const OccupancyOptions& options) : MapBuilder(options, vector_paths().back()) {}
 
 MapBuilder::MapBuilder(const OccupancyOptions& options, VectorPath path)
-    : options_(options), kernels_(ray_kernels(path)), blocks_(LogOddsModel(options)) {}
+    : options_(options), kernels_(ray_kernels(path)), blocks_(LogOddsModel(options)), hits_(options.resolution_m) {}
 
 bool MapBuilder::insert_scan(std::span<const Eigen::Vector3d> points_m, const Eigen::Vector3d& origin_m,
                              const KeepGoing& keep_going) {
@@ -107,7 +103,7 @@ bool MapBuilder::begin_scan(const Eigen::Vector3d& origin_m, std::size_t points)
 bool MapBuilder::finish_scan(const KeepGoing& keep_going) {
   const Eigen::Vector3f from_m = origins_m_.back();
   const std::size_t hits = ends_m_.count;
-  hits_.resize(first_hit_ + hits);
+  hits_.keep(hits, origins_m_);
   for (std::size_t i = 0; i < beyond_m_.count; ++i) ends_m_.add(beyond_m_[i]);
   Eigen::AlignedBox3f box_m(from_m);
   for (std::size_t i = 0; i < ends_m_.count; ++i) box_m.extend(ends_m_[i]);
@@ -118,7 +114,7 @@ bool MapBuilder::finish_scan(const KeepGoing& keep_going) {
 }
 
 bool MapBuilder::finish_points(const KeepGoing& keep_going) {
-  hits_.resize(first_hit_ + ends_m_.count);
+  hits_.keep(ends_m_.count, origins_m_);
   if (ends_m_.count == 0) return true;
   Eigen::AlignedBox3f box_m;
   for (std::size_t i = 0; i < ends_m_.count; ++i) box_m.extend(ends_m_[i]);
@@ -130,7 +126,7 @@ bool MapBuilder::finish_points(const KeepGoing& keep_going) {
 
 // What is marked is copied into blocks before it is forgotten.
 std::size_t MapBuilder::held_bytes() const {
-  return blocks_.held_bytes() + 2 * marks_.held_bytes() + hits_.size() * sizeof(Hit);
+  return blocks_.held_bytes() + 2 * marks_.held_bytes() + hits_.held_bytes();
 }
 
 // The first `count` ends some at a time: marks do not depend on what is marked together.
@@ -175,26 +171,24 @@ bool MapBuilder::mark_hits(std::size_t count, const KeepGoing& keep_going) {
 // Makes room for so many hits, of which those that are not taken are given back in the end.
 void MapBuilder::begin_returns(std::size_t most) {
   ends_m_.clear_for(most);
-  first_hit_ = hits_.size();
-  hits_.resize(first_hit_ + most);
+  room_ = hits_.make_room(most);
 }
 
 void MapBuilder::take_points(std::span<const Eigen::Vector3d> points_m) {
-  Hit* const hits = hits_.data() + first_hit_;
   for (const Eigen::Vector3d& point_m : points_m) {
     if (!on_lattice(point_m, options_.resolution_m)) {
       ++points_off_lattice_;
       continue;
     }
-    hits[ends_m_.count] = {point_m.cast<float>(), kNoOrigin};
-    ends_m_.add(hits[ends_m_.count].point_m);
+    const Eigen::Vector3f at_m = point_m.cast<float>();
+    room_[ends_m_.count] = {at_m, HitSums::kNoOrigin};
+    ends_m_.add(at_m);
   }
 }
 
 // Sorts out which points are returns and where their rays end.
 void MapBuilder::take_returns(std::span<const Eigen::Vector3d> points_m, const Eigen::Vector3f& origin_m) {
   const auto origin = static_cast<std::uint32_t>(origins_m_.size() - 1);
-  Hit* const hits = hits_.data() + first_hit_;
   for (const Eigen::Vector3d& point_m : points_m) {
     if (!on_lattice(point_m, options_.resolution_m)) {
       ++points_off_lattice_;
@@ -204,7 +198,7 @@ void MapBuilder::take_returns(std::span<const Eigen::Vector3d> points_m, const E
     const double range_m = ray_length_m(to_m - origin_m);
     if (!(range_m >= options_.min_range_m) || range_m == 0.0) continue;
     if (range_m <= options_.max_range_m) {
-      hits[ends_m_.count] = {to_m, origin};
+      room_[ends_m_.count] = {to_m, origin};
       ends_m_.add(to_m);
       continue;
     }
@@ -230,67 +224,11 @@ void MapBuilder::apply_marks() {
 VoxelMap MapBuilder::finish() {
   marks_ = {};
   BlockStore::Finished finished = blocks_.finish();
-  SurfaceVoxels voxels = summarise_hits(finished.blocks);
+  SurfaceVoxels voxels = hits_.summarise(finished.blocks, origins_m_);
   voxels.log_odds = std::move(finished.log_odds);
-  std::vector<Hit>().swap(hits_);
+  hits_ = HitSums(options_.resolution_m);
   VoxelMap map(options_.resolution_m, has_free_space_, std::move(finished.blocks), std::move(voxels));
   return with_surface_normals(map);
-}
-
-// Means of the hits inside each voxel that ended up occupied; `normals` holds the mean viewing direction for now, which
-// is what with_surface_normals orients by.
-SurfaceVoxels MapBuilder::summarise_hits(const std::vector<VoxelBlock>& occupied) const {
-  struct Sums {
-    Eigen::Vector3d point_m = Eigen::Vector3d::Zero();
-    Eigen::Vector3d view = Eigen::Vector3d::Zero();
-    double time = 0.0;
-    std::uint32_t count = 0;
-  };
-  std::vector<std::uint64_t> keys(occupied.size());
-  std::transform(occupied.begin(), occupied.end(), keys.begin(), [](const VoxelBlock& block) { return block.key; });
-  const BlockIndex index(keys);
-  const std::size_t count = occupied.empty() ? 0 : occupied.back().first_voxel + occupied.back().voxel_count;
-  std::vector<Sums> sums(count);
-  for (const Hit& hit : hits_) {
-    const Eigen::Vector3d point_m = hit.point_m.cast<double>();
-    const VoxelIndex voxel = voxel_at(point_m, options_.resolution_m);
-    const std::int32_t number = index.find(block_of(voxel));
-    KILTER_EXPECTS(number != BlockIndex::kNone);
-    if (number == BlockIndex::kNone) continue;  // cannot be; if it is, a hit is lost rather than memory read
-    const VoxelBlock& block = occupied[static_cast<std::size_t>(number)];
-    const int bit = bit_of(voxel);
-    if ((block.occupied[static_cast<std::size_t>(bit >> 6)] >> (bit & 63) & 1) == 0) continue;
-    Sums& sum = sums[block.first_voxel + rank_in_block(block, bit)];
-    sum.point_m += point_m;
-    ++sum.count;
-    if (hit.origin == kNoOrigin) continue;
-    sum.view += (origins_m_[hit.origin].cast<double>() - point_m).normalized();
-    sum.time += hit.origin;
-  }
-  SurfaceVoxels voxels;
-  voxels.centroids_m.resize(count);
-  voxels.normals.resize(count);
-  voxels.planarity.assign(count, 0.0F);
-  voxels.seen_at.assign(count, 0);
-  const double last = origins_m_.size() > 1 ? static_cast<double>(origins_m_.size() - 1) : 1.0;
-  for (std::size_t i = 0; i < count; ++i) {
-    if (sums[i].count == 0) continue;
-    voxels.seen_at[i] = static_cast<std::uint8_t>(std::lround(255.0 * sums[i].time / sums[i].count / last));
-  }
-  for (const VoxelBlock& block : occupied) {
-    const Eigen::Vector3i at = block_of_key(block.key);
-    std::size_t i = block.first_voxel;
-    for (int z = 0; z < kBlockSize; ++z) {
-      for (std::uint64_t bits = block.occupied[static_cast<std::size_t>(z)]; bits != 0; bits &= bits - 1, ++i) {
-        const VoxelIndex voxel = voxel_of(at, std::countr_zero(bits) + 64 * z);
-        const Eigen::Vector3d mean_m = sums[i].count > 0 ? Eigen::Vector3d(sums[i].point_m / sums[i].count)
-                                                         : voxel_centre(voxel, options_.resolution_m);
-        voxels.centroids_m[i] = mean_m.cast<float>();
-        voxels.normals[i] = sums[i].view.cast<float>();
-      }
-    }
-  }
-  return voxels;
 }
 
 }  // namespace kilter

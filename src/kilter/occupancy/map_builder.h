@@ -15,6 +15,7 @@
 #include "kilter/base/vector_path.h"
 #include "kilter/geometry/pose3.h"
 #include "kilter/occupancy/block_store.h"
+#include "kilter/occupancy/hit_sums.h"
 #include "kilter/occupancy/occupancy_options.h"
 #include "kilter/occupancy/scan_marks.h"
 #include "kilter/occupancy/trace_rays.h"
@@ -58,11 +59,6 @@ class MapBuilder {
   [[nodiscard]] VoxelMap finish();
 
  private:
-  struct Hit {
-    Eigen::Vector3f point_m;
-    std::uint32_t origin = 0;
-  };
-
   void begin_returns(std::size_t most);
   void take_returns(std::span<const Eigen::Vector3d> points_m, const Eigen::Vector3f& origin_m);
   void take_points(std::span<const Eigen::Vector3d> points_m);
@@ -78,7 +74,6 @@ class MapBuilder {
   void open_window(const Eigen::AlignedBox3f& box_m);
   [[nodiscard]] RayKernels kernels() const;
   void apply_marks();
-  [[nodiscard]] SurfaceVoxels summarise_hits(const std::vector<VoxelBlock>& occupied) const;
 
   OccupancyOptions options_;
   bool has_free_space_ = false;
@@ -89,8 +84,8 @@ class MapBuilder {
   RayEnds ends_m_;    // of a scan: its hits, then rays that go on beyond the range
   RayEnds beyond_m_;  // the latter alone
   RayEnds some_ends_m_;
-  std::vector<Hit> hits_;
-  std::size_t first_hit_ = 0;  // of the scan that is being taken
+  HitSums hits_;
+  HitSums::Hit* room_ = nullptr;  // for hits of the scan that is being taken
   std::vector<Eigen::Vector3f> origins_m_;
 };
 
