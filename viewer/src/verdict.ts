@@ -29,7 +29,12 @@ function certificate(result: Result): string {
   const count = certificate_excludes.length;
   if (count > 0) {
     const [target, source] = certificate_excludes[0]!;
-    text += `, except for ${count} overlapping pair${count === 1 ? "" : "s"} (${target} with ${source}${count > 1 ? ", ..." : ""}) of which nothing can be said`;
+    const excluded = new Set(certificate_excludes.map((pair) => pair.join("\n")));
+    const wrong = result.pairs.filter(
+      (pair) => pair.verdict === "inconsistent" && excluded.has(`${pair.target}\n${pair.source}`),
+    ).length;
+    text += `, except for ${count} overlapping pair${count === 1 ? "" : "s"} (${target} with ${source}${count > 1 ? ", ..." : ""}) of which that cannot be said`;
+    if (wrong > 0) text += `; ${wrong} of these ${wrong === 1 ? "is" : "are"} inconsistent`;
   }
   return `${text}.`;
 }
