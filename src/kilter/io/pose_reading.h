@@ -22,8 +22,9 @@ struct OtherReading {
   double otherwise = 0.0;  ///< under the reading; of kNeither, share that meets the next cloud, wherever that is
 };
 
-/// Looks at a dozen clouds, a few metres of way between two of them, for a reading under which they meet far better
-/// than as given. \return  nothing where there is none, where the robot hardly moves, or where clouds cannot be read.
+/// Looks at some clouds, a few metres of way between two of them, for a reading under which they meet far better than
+/// as given, and at the next clouds to see how well they should. \return  kNeither where they hardly meet under any;
+/// nothing where they meet as given, where the robot hardly moves, or where clouds cannot be read.
 [[nodiscard]] std::optional<OtherReading> find_other_reading(const RobotLog& robot);
 
 }  // namespace kilter
