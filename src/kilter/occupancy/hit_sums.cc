@@ -13,6 +13,8 @@ namespace {
 
 // A voxel's sum and its numbers take what six or seven hits do: below twice that summing hits would save little.
 constexpr std::size_t kHitsOfAVoxel = 12;
+constexpr std::size_t kSmallestPart = std::size_t{1} << 12;
+constexpr std::size_t kLargestPart = std::size_t{1} << 19;
 constexpr int kBitBits = 3 * kBlockShift;
 
 // Number of an occupied voxel among all, if it is one.
@@ -55,14 +57,9 @@ void HitSums::Sum::add(const Hit& hit, std::span<const Eigen::Vector3f> origins_
   time += hit.origin;
 }
 
-HitSums::Hit* HitSums::make_room(std::size_t most) {
-  hits_.resize(kept_ + most);
-  return hits_.data() + kept_;
-}
+void HitSums::add_part() { parts_.emplace_back().reserve(std::clamp(kept_, kSmallestPart, kLargestPart)); }
 
-void HitSums::keep(std::size_t taken, std::span<const Eigen::Vector3f> origins_m) {
-  kept_ += taken;
-  hits_.resize(kept_);
+void HitSums::sum_up_if_many(std::span<const Eigen::Vector3f> origins_m) {
   if (kept_ < sum_at_) return;
   if (number_voxels()) {
     sum_up(origins_m);
@@ -74,7 +71,7 @@ void HitSums::keep(std::size_t taken, std::span<const Eigen::Vector3f> origins_m
 
 std::size_t HitSums::held_bytes() const {
   constexpr std::size_t kNumberBytes = 2 * sizeof(std::uint64_t);
-  return hits_.size() * sizeof(Hit) + sums_.size() * sizeof(Sum) + (blocks_.size() + voxels_.size()) * kNumberBytes;
+  return kept_ * sizeof(Hit) + sums_.size() * sizeof(Sum) + (blocks_.size() + voxels_.size()) * kNumberBytes;
 }
 
 std::uint32_t HitSums::number_of(const Eigen::Vector3f& point_m) {
@@ -86,19 +83,23 @@ std::uint32_t HitSums::number_of(const Eigen::Vector3f& point_m) {
 // Whether the hits fall into so few voxels that summing them saves memory. If not, the numbers so far stay for next
 // time: they are few.
 bool HitSums::number_voxels() {
-  const std::size_t most = sums_.size() + hits_.size() / kHitsOfAVoxel;
-  for (const Hit& hit : hits_) {
-    static_cast<void>(number_of(hit.point_m));
-    if (voxels_.size() > most) return false;
+  const std::size_t most = sums_.size() + kept_ / kHitsOfAVoxel;
+  for (const std::vector<Hit>& part : parts_) {
+    for (const Hit& hit : part) {
+      static_cast<void>(number_of(hit.point_m));
+      if (voxels_.size() > most) return false;
+    }
   }
   return true;
 }
 
 void HitSums::sum_up(std::span<const Eigen::Vector3f> origins_m) {
   sums_.resize(voxels_.size());
-  for (const Hit& hit : hits_) sums_[number_of(hit.point_m)].add(hit, origins_m);
+  for (const std::vector<Hit>& part : parts_) {
+    for (const Hit& hit : part) sums_[number_of(hit.point_m)].add(hit, origins_m);
+  }
   kept_ = 0;
-  hits_.clear();
+  parts_.clear();
 }
 
 // What was summed came first, so that what is left goes on from there.
@@ -112,10 +113,12 @@ std::vector<HitSums::Sum> HitSums::sums_of(std::span<const VoxelBlock> occupied,
     const std::size_t to = voxels.find(block, static_cast<int>(key & (kBlockVoxels - 1)));
     if (to != OccupiedVoxels::kNone) sums[to] = sums_[i];
   }
-  for (const Hit& hit : hits_) {
-    const VoxelIndex voxel = voxel_at(hit.point_m.cast<double>(), resolution_m_);
-    const std::size_t to = voxels.find(block_of(voxel), bit_of(voxel));
-    if (to != OccupiedVoxels::kNone) sums[to].add(hit, origins_m);
+  for (const std::vector<Hit>& part : parts_) {
+    for (const Hit& hit : part) {
+      const VoxelIndex voxel = voxel_at(hit.point_m.cast<double>(), resolution_m_);
+      const std::size_t to = voxels.find(block_of(voxel), bit_of(voxel));
+      if (to != OccupiedVoxels::kNone) sums[to].add(hit, origins_m);
+    }
   }
   return sums;
 }

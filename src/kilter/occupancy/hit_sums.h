@@ -33,10 +33,14 @@ class HitSums {
   explicit HitSums(double resolution_m, std::size_t many_hits = kManyHits)
       : resolution_m_(resolution_m), sum_at_(many_hits), many_hits_(many_hits) {}
 
-  /// Room for so many further hits, of which the first `taken` are kept by keep(). Valid until then.
-  [[nodiscard]] Hit* make_room(std::size_t most);
+  void add(const Hit& hit) {
+    if (parts_.empty() || parts_.back().size() == parts_.back().capacity()) add_part();
+    parts_.back().push_back(hit);
+    ++kept_;
+  }
+  /// At the end of a scan: sums hits up if they are very many for their voxels.
   /// \param origins_m  of all scans so far
-  void keep(std::size_t taken, std::span<const Eigen::Vector3f> origins_m);
+  void sum_up_if_many(std::span<const Eigen::Vector3f> origins_m);
 
   [[nodiscard]] std::size_t held_bytes() const;
 
@@ -55,6 +59,7 @@ class HitSums {
     void add(const Hit& hit, std::span<const Eigen::Vector3f> origins_m);
   };
 
+  void add_part();
   [[nodiscard]] std::uint32_t number_of(const Eigen::Vector3f& point_m);
   [[nodiscard]] bool number_voxels();
   void sum_up(std::span<const Eigen::Vector3f> origins_m);
@@ -64,8 +69,10 @@ class HitSums {
   double resolution_m_;
   std::size_t sum_at_;  // as soon as there are so many hits
   std::size_t many_hits_;
-  std::size_t kept_ = 0;
-  std::vector<Hit> hits_;  // those that are not in sums_
+  // Hits that are not in sums_, in parts that grow with their number and are never moved. Memory that none fills is not
+  // touched.
+  std::vector<std::vector<Hit>> parts_;
+  std::size_t kept_ = 0;   // in all parts
   KeyNumbers blocks_;      // of voxels with sums
   KeyNumbers voxels_;      // block's number, then bit
   std::vector<Sum> sums_;  // by voxel's number

@@ -39,8 +39,8 @@ Scans scans_of(int count, double half_m) {
 HitSums sums_of(const Scans& scans, std::size_t many_hits) {
   HitSums sums(kResolution_m, many_hits);
   for (std::size_t i = 0; i < scans.hits.size(); ++i) {
-    std::copy(scans.hits[i].begin(), scans.hits[i].end(), sums.make_room(2 * scans.hits[i].size()));
-    sums.keep(scans.hits[i].size(), std::span(scans.origins_m).first(i + 1));
+    for (const HitSums::Hit& hit : scans.hits[i]) sums.add(hit);
+    sums.sum_up_if_many(std::span(scans.origins_m).first(i + 1));
   }
   return sums;
 }

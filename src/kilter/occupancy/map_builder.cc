@@ -74,7 +74,7 @@ bool MapBuilder::insert_scan(std::span<const Eigen::Vector3f> points_m, const Po
 }
 
 bool MapBuilder::insert_points(std::span<const Eigen::Vector3d> points_m, const KeepGoing& keep_going) {
-  begin_returns(points_m.size());
+  ends_m_.clear_for(points_m.size());
   take_points(points_m);
   return finish_points(keep_going);
 }
@@ -82,7 +82,7 @@ bool MapBuilder::insert_points(std::span<const Eigen::Vector3d> points_m, const 
 bool MapBuilder::insert_points(std::span<const Eigen::Vector3f> points_m, const Pose3& T_map_cloud,
                                const KeepGoing& keep_going) {
   if (keep_going && !keep_going(held_bytes() + points_m.size() * kBytesAReturn)) return false;
-  begin_returns(points_m.size());
+  ends_m_.clear_for(points_m.size());
   move_some_at_a_time(points_m, T_map_cloud, [&](const auto& some_m) { take_points(some_m); });
   return finish_points(keep_going);
 }
@@ -95,7 +95,7 @@ bool MapBuilder::begin_scan(const Eigen::Vector3d& origin_m, std::size_t points)
   }
   has_free_space_ = true;
   origins_m_.push_back(origin_m.cast<float>());
-  begin_returns(points);
+  ends_m_.clear_for(points);
   beyond_m_.clear_for(points);
   return true;
 }
@@ -103,7 +103,7 @@ bool MapBuilder::begin_scan(const Eigen::Vector3d& origin_m, std::size_t points)
 bool MapBuilder::finish_scan(const KeepGoing& keep_going) {
   const Eigen::Vector3f from_m = origins_m_.back();
   const std::size_t hits = ends_m_.count;
-  hits_.keep(hits, origins_m_);
+  hits_.sum_up_if_many(origins_m_);
   for (std::size_t i = 0; i < beyond_m_.count; ++i) ends_m_.add(beyond_m_[i]);
   Eigen::AlignedBox3f box_m(from_m);
   for (std::size_t i = 0; i < ends_m_.count; ++i) box_m.extend(ends_m_[i]);
@@ -114,7 +114,7 @@ bool MapBuilder::finish_scan(const KeepGoing& keep_going) {
 }
 
 bool MapBuilder::finish_points(const KeepGoing& keep_going) {
-  hits_.keep(ends_m_.count, origins_m_);
+  hits_.sum_up_if_many(origins_m_);
   if (ends_m_.count == 0) return true;
   Eigen::AlignedBox3f box_m;
   for (std::size_t i = 0; i < ends_m_.count; ++i) box_m.extend(ends_m_[i]);
@@ -168,12 +168,6 @@ bool MapBuilder::mark_hits(std::size_t count, const KeepGoing& keep_going) {
                        [&](const RayEnds& some_m) { mark(some_m, some_m.count, options_.resolution_m, marks_); });
 }
 
-// Makes room for so many hits, of which those that are not taken are given back in the end.
-void MapBuilder::begin_returns(std::size_t most) {
-  ends_m_.clear_for(most);
-  room_ = hits_.make_room(most);
-}
-
 void MapBuilder::take_points(std::span<const Eigen::Vector3d> points_m) {
   for (const Eigen::Vector3d& point_m : points_m) {
     if (!on_lattice(point_m, options_.resolution_m)) {
@@ -181,7 +175,7 @@ void MapBuilder::take_points(std::span<const Eigen::Vector3d> points_m) {
       continue;
     }
     const Eigen::Vector3f at_m = point_m.cast<float>();
-    room_[ends_m_.count] = {at_m, HitSums::kNoOrigin};
+    hits_.add({at_m, HitSums::kNoOrigin});
     ends_m_.add(at_m);
   }
 }
@@ -198,7 +192,7 @@ void MapBuilder::take_returns(std::span<const Eigen::Vector3d> points_m, const E
     const double range_m = ray_length_m(to_m - origin_m);
     if (!(range_m >= options_.min_range_m) || range_m == 0.0) continue;
     if (range_m <= options_.max_range_m) {
-      room_[ends_m_.count] = {to_m, origin};
+      hits_.add({to_m, origin});
       ends_m_.add(to_m);
       continue;
     }

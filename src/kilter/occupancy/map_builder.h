@@ -59,7 +59,6 @@ class MapBuilder {
   [[nodiscard]] VoxelMap finish();
 
  private:
-  void begin_returns(std::size_t most);
   void take_returns(std::span<const Eigen::Vector3d> points_m, const Eigen::Vector3f& origin_m);
   void take_points(std::span<const Eigen::Vector3d> points_m);
   [[nodiscard]] bool begin_scan(const Eigen::Vector3d& origin_m, std::size_t points);
@@ -85,7 +84,6 @@ class MapBuilder {
   RayEnds beyond_m_;  // the latter alone
   RayEnds some_ends_m_;
   HitSums hits_;
-  HitSums::Hit* room_ = nullptr;  // for hits of the scan that is being taken
   std::vector<Eigen::Vector3f> origins_m_;
 };
 
