@@ -190,8 +190,7 @@ void BlocksAsking::gather(std::uint32_t first, std::uint32_t count) {
   }
   if (source_.position() == VoxelPosition::kCentre) {  // whose floats are rounded
     for (std::uint32_t lane = 0; lane < count; ++lane) {
-      const auto voxel = static_cast<std::size_t>(points.number[first + lane]);
-      const Eigen::Vector3d at_m = voxel_position_m(source_.map(), voxel, VoxelPosition::kCentre);
+      const Eigen::Vector3d at_m = voxel_position_m(source_.map(), first + lane, VoxelPosition::kCentre);
       for (std::size_t axis = 0; axis < 3; ++axis) asking_.at_m[axis][lane] = at_m[static_cast<Eigen::Index>(axis)];
     }
   }
@@ -210,7 +209,7 @@ void BlocksAsking::answer(std::uint32_t first, std::vector<NearestVoxel>& found)
     const Eigen::Vector3d at_m(asking_.at_m[0][lane], asking_.at_m[1][lane], asking_.at_m[2][lane]);
     const double distance_m = (voxel_position_m(target_.map(), voxel, target_.position()) - at_m).norm();
     if (distance_m > limit_m_) continue;
-    found[static_cast<std::size_t>(from_.points().number[first + lane])] = {voxel, distance_m};
+    found[first + lane] = {voxel, distance_m};
   }
 }
 

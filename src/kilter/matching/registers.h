@@ -40,6 +40,9 @@ inline constexpr std::array<std::int32_t, 16> kLaneBits = {1 << 0,  1 << 1,  1 <
                                                            1 << 6,  1 << 7,  1 << 8,  1 << 9, 1 << 10, 1 << 11,
                                                            1 << 12, 1 << 13, 1 << 14, 1 << 15};
 
+/// The number of each.
+inline constexpr std::array<std::int32_t, 16> kLaneNumbers = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
+
 /// Whichever of the bits are set in any lane.
 template <std::uint32_t kLanes>
 [[gnu::always_inline]] inline std::uint32_t any_of(const typename Register<kLanes>::Ints& lanes) {

@@ -74,6 +74,8 @@ template <std::uint32_t kLanes>
   NearestOfLanes<kLanes> nearest;
   nearest.square_m2 = typename Register<kLanes>::Floats{} + best.square_m2;
   nearest.number = typename Register<kLanes>::Ints{} + best.number;
+  typename Register<kLanes>::Ints lanes;
+  std::memcpy(&lanes, kLaneNumbers.data(), sizeof(lanes));
   for (; boxes != 0; boxes &= boxes - 1) {
     const auto box = static_cast<std::size_t>(std::countr_zero(boxes));
     for (std::uint32_t i = group.first[box]; i < group.end[box]; i += kLanes) {
@@ -84,7 +86,7 @@ template <std::uint32_t kLanes>
       std::memcpy(&dx, points.x.data() + i, sizeof(dx));
       std::memcpy(&dy, points.y.data() + i, sizeof(dy));
       std::memcpy(&dz, points.z.data() + i, sizeof(dz));
-      std::memcpy(&found.number, points.number.data() + i, sizeof(found.number));
+      found.number = lanes + static_cast<std::int32_t>(i);
       dx -= point[0];
       dy -= point[1];
       dz -= point[2];
@@ -139,25 +141,9 @@ float FloatBox::square_gap_m2(const Cluster& cluster) const {
   return square_m2;
 }
 
-void ClusterBoxes::reserve(std::size_t clusters) {
-  for (std::vector<float>& axis : low_m) axis.reserve(clusters + kMostLanes);
-  for (std::vector<float>& axis : high_m) axis.reserve(clusters + kMostLanes);
-  first.reserve(clusters + 1);
-}
-
-void ClusterBoxes::add(const Cluster& cluster) {
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    low_m[axis].push_back(cluster.low_m[axis]);
-    high_m[axis].push_back(cluster.high_m[axis]);
-  }
-  first.push_back(cluster.first);
-  ++size_;
-}
-
-void ClusterBoxes::close(std::uint32_t points) {
-  for (std::vector<float>& axis : low_m) axis.resize(size_ + kMostLanes, ClusteredPoints::kNowhere);
-  for (std::vector<float>& axis : high_m) axis.resize(size_ + kMostLanes, ClusteredPoints::kNowhere);
-  first.push_back(points);
+ClusterBoxes::ClusterBoxes(std::size_t clusters, std::uint32_t points) : first(clusters + 1, points) {
+  for (std::vector<float>& axis : low_m) axis.assign(clusters + kMostLanes, ClusteredPoints::kNowhere);
+  for (std::vector<float>& axis : high_m) axis.assign(clusters + kMostLanes, ClusteredPoints::kNowhere);
 }
 
 ClusterGroup::ClusterGroup(float least) : least_m2(least) {

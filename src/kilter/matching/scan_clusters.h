@@ -16,8 +16,8 @@ namespace kilter {
 /// Lanes of the widest register.
 inline constexpr std::uint32_t kMostLanes = 16;
 
-/// Numbered points as columns, those of one cluster (a few that lie near each other) side by side, with room behind the
-/// last one so that whole registers can be read from any of them.
+/// Points as columns, those of one cluster (a few that lie near each other) side by side, with room behind the last one
+/// so that whole registers can be read from any of them. A point's number is where it stands.
 class ClusteredPoints {
  public:
   static constexpr float kNowhere = 1e18F;  // what stands there: its square is finite and beyond any limit
@@ -25,14 +25,10 @@ class ClusteredPoints {
 
   ClusteredPoints() = default;
   explicit ClusteredPoints(std::size_t count)
-      : x(count + kMostLanes, kNowhere),
-        y(count + kMostLanes, kNowhere),
-        z(count + kMostLanes, kNowhere),
-        number(count + kMostLanes, kNoNumber) {}
-  [[nodiscard]] std::size_t bytes() const { return x.size() * (3 * sizeof(float) + sizeof(std::int32_t)); }
+      : x(count + kMostLanes, kNowhere), y(count + kMostLanes, kNowhere), z(count + kMostLanes, kNowhere) {}
+  [[nodiscard]] std::size_t bytes() const { return x.size() * 3 * sizeof(float); }
 
   std::vector<float> x, y, z;
-  std::vector<std::int32_t> number;
 };
 
 /// The points of a cluster and the box around them.
@@ -47,11 +43,17 @@ struct Cluster {
 /// whole registers can be read from any of them.
 class ClusterBoxes {
  public:
-  void reserve(std::size_t clusters);
-  /// Precondition: its points begin where those of the last one end.
-  void add(const Cluster& cluster);
-  /// After the last one; `points` is the number of all of them.
-  void close(std::uint32_t points);
+  ClusterBoxes() = default;
+  /// Room for so many, which hold so many points.
+  ClusterBoxes(std::size_t clusters, std::uint32_t points);
+  /// Precondition: there is room; its points begin where those of the last one end.
+  void add(const Cluster& cluster) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      low_m[axis][size_] = cluster.low_m[axis];
+      high_m[axis][size_] = cluster.high_m[axis];
+    }
+    first[size_++] = cluster.first;
+  }
 
   [[nodiscard]] std::uint32_t size() const { return size_; }
   [[nodiscard]] Cluster operator[](std::size_t k) const {

@@ -5,7 +5,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <numeric>
 
 #include "kilter/base/rng.h"
 
@@ -19,12 +18,10 @@ struct Clusters {
   std::vector<ClusterGroup> groups;
 };
 
-// Points on a coarse lattice, so that many are equally near; clusters of any of them, and so any order of numbers.
+// Points on a coarse lattice, so that many are equally near; groups in any order, and so any order of numbers.
 Clusters lattice_clusters(std::size_t count, std::uint64_t seed) {
   Rng rng(seed, 0);
   Clusters made{ClusteredPoints(count), {}};
-  std::iota(made.points.number.begin(), made.points.number.begin() + static_cast<std::ptrdiff_t>(count), 0);
-  for (std::size_t i = count; i > 1; --i) std::swap(made.points.number[i - 1], made.points.number[rng.bits() % i]);
   ClusterGroup group(0.0F);
   for (std::uint32_t first = 0; first < count;) {
     const auto end = static_cast<std::uint32_t>(std::min<std::uint64_t>(count, first + 1 + rng.bits() % 40));
@@ -49,6 +46,7 @@ Clusters lattice_clusters(std::size_t count, std::uint64_t seed) {
     first = end;
   }
   if (!group.empty()) made.groups.push_back(group);
+  std::reverse(made.groups.begin(), made.groups.end());
   return made;
 }
 
@@ -59,8 +57,9 @@ NearestPoint nearest_of(const ClusteredPoints& points, std::size_t count, const 
     const float dy = points.y[i] - at[1];
     const float dz = points.z[i] - at[2];
     const float square_m2 = dx * dx + dy * dy + dz * dz;
-    const bool is_less = square_m2 < best.square_m2 || (square_m2 == best.square_m2 && points.number[i] < best.number);
-    if (is_less) best = {square_m2, points.number[i]};
+    const auto number = static_cast<std::int32_t>(i);
+    const bool is_less = square_m2 < best.square_m2 || (square_m2 == best.square_m2 && number < best.number);
+    if (is_less) best = {square_m2, number};
   }
   return best;
 }

@@ -11,69 +11,51 @@
 namespace kilter {
 namespace {
 
-constexpr int kHalf = kBlockSize / 2;
-constexpr std::size_t kClusters = 8;  // of a block; bits of their numbers say upper x, y and z
+constexpr std::uint32_t kMostTogether = kMostLanes;  // voxels of a cluster
 
-// For each cell of a layer, whether it lies in the upper half along x (1) and y (2).
-constexpr std::array<std::uint8_t, 64> kQuadrants = [] {
-  std::array<std::uint8_t, 64> quadrants{};
-  for (std::size_t bit = 0; bit < quadrants.size(); ++bit) {
-    quadrants[bit] = static_cast<std::uint8_t>((bit >> 2 & 1) | (bit >> 5 & 1) << 1);
-  }
-  return quadrants;
-}();
+std::uint32_t clusters_in(const VoxelBlock& block) { return (block.voxel_count + kMostTogether - 1) / kMostTogether; }
 
-// How many voxels each cluster of a block has: bits are added up in nibbles, which are half rows, then in bytes.
-std::array<std::uint32_t, kClusters> voxels_in_clusters(const VoxelBlock& block) {
-  constexpr std::uint64_t kPairs = 0x5555555555555555;
-  constexpr std::uint64_t kNibbles = 0x3333333333333333;
-  constexpr std::uint64_t kBytes = 0x0F0F0F0F0F0F0F0F;
-  std::array<std::uint32_t, kClusters> counts{};
-  for (std::size_t half = 0; half < 2; ++half) {
-    std::array<std::uint64_t, 2> rows{};  // a byte for each row: its lower and its upper half
-    for (std::size_t z = kHalf * half, end = z + kHalf; z < end; ++z) {
-      std::uint64_t layer = block.occupied[z];
-      layer -= layer >> 1 & kPairs;
-      layer = (layer & kNibbles) + (layer >> 2 & kNibbles);
-      rows[0] += layer & kBytes;
-      rows[1] += layer >> 4 & kBytes;
-    }
-    const auto sum_of_bytes = [](std::uint64_t four) { return static_cast<std::uint32_t>(four) * 0x01010101U >> 24; };
-    for (std::size_t x = 0; x < 2; ++x) {
-      counts[4 * half + x] = sum_of_bytes(rows[x]);
-      counts[4 * half + 2 + x] = sum_of_bytes(rows[x] >> 32);
-    }
-  }
-  return counts;
+using Floats = Register<4>::Floats;
+using Ints = Register<4>::Ints;
+constexpr std::uint32_t kLanes = 4;
+
+Floats four_at(const float* column_m) {
+  Floats four;
+  std::memcpy(&four, column_m, sizeof(four));
+  return four;
 }
 
-struct Extent {
-  float low_m = 0.0F;
-  float high_m = 0.0F;
-};
+// The smallest of the lanes of each.
+Floats least_of(const Floats& a, const Floats& b, const Floats& c, const Floats& d) {
+  const auto smaller = [](const Floats& one, const Floats& other) { return one < other ? one : other; };
+  const Floats ab = smaller(__builtin_shufflevector(a, b, 0, 1, 4, 5), __builtin_shufflevector(a, b, 2, 3, 6, 7));
+  const Floats cd = smaller(__builtin_shufflevector(c, d, 0, 1, 4, 5), __builtin_shufflevector(c, d, 2, 3, 6, 7));
+  return smaller(__builtin_shufflevector(ab, cd, 0, 2, 4, 6), __builtin_shufflevector(ab, cd, 1, 3, 5, 7));
+}
 
-// Of points [first, end) of a column; not of none.
-Extent extent_of(const std::vector<float>& column_m, std::uint32_t first, std::uint32_t end) {
-  using Floats = Register<4>::Floats;
-  constexpr std::uint32_t kLanes = 4;
-  if (end - first < kLanes) {
-    Extent extent{column_m[first], column_m[first]};
-    for (std::uint32_t i = first + 1; i < end; ++i) {
-      extent.low_m = std::min(extent.low_m, column_m[i]);
-      extent.high_m = std::max(extent.high_m, column_m[i]);
+// Points [first, end), at least one, and the box around them. Of fewer than four the others of a register repeat one.
+Cluster cluster_of(const ClusteredPoints& points, std::uint32_t first, std::uint32_t end) {
+  constexpr std::array<Ints, kLanes + 1> kBelow = {Ints{}, Ints{-1, 0, 0, 0}, Ints{-1, -1, 0, 0}, Ints{-1, -1, -1, 0},
+                                                   Ints{-1, -1, -1, -1}};
+  const Ints meant = kBelow[std::min(end - first, kLanes)];
+  const std::array<const float*, 3> columns_m = {points.x.data(), points.y.data(), points.z.data()};
+  std::array<Floats, 3> low{};
+  std::array<Floats, 3> high{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const Floats lanes = four_at(columns_m[axis] + first);
+    low[axis] = high[axis] = meant != 0 ? lanes : Floats{} + lanes[0];
+  }
+  for (std::uint32_t i = first + kLanes; i < end; i += kLanes) {
+    const std::uint32_t from = std::min(i, end - kLanes);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const Floats lanes = four_at(columns_m[axis] + from);
+      low[axis] = lanes < low[axis] ? lanes : low[axis];
+      high[axis] = lanes > high[axis] ? lanes : high[axis];
     }
-    return extent;
   }
-  Floats low;
-  std::memcpy(&low, column_m.data() + end - kLanes, sizeof(low));
-  Floats high = low;
-  for (std::uint32_t i = first; i + kLanes < end; i += kLanes) {
-    Floats lanes;
-    std::memcpy(&lanes, column_m.data() + i, sizeof(lanes));
-    low = lanes < low ? lanes : low;
-    high = lanes > high ? lanes : high;
-  }
-  return {-largest_of<kLanes>(-low), largest_of<kLanes>(high)};
+  const Floats lows = least_of(low[0], low[1], low[2], low[2]);
+  const Floats highs = -least_of(-high[0], -high[1], -high[2], -high[2]);
+  return {{lows[0], lows[1], lows[2]}, {highs[0], highs[1], highs[2]}, first, end};
 }
 
 // A table of octets pays while it is not much more than the blocks. Numbers of blocks must fit above an octet's bits.
@@ -93,53 +75,33 @@ VoxelClusters::VoxelClusters(const VoxelMap& map, VoxelPosition position) : poin
   std::size_t blocks = 0;
   std::size_t clusters = 0;
   for (const VoxelBlock& block : map.blocks()) {
-    if (block.voxel_count == 0) continue;
-    ++blocks;
-    for (const std::uint32_t count : voxels_in_clusters(block)) clusters += count > 0 ? 1 : 0;
+    blocks += block.voxel_count > 0 ? 1 : 0;
+    clusters += clusters_in(block);
   }
   blocks_.reserve(blocks);
-  boxes_.reserve(clusters);
+  boxes_ = ClusterBoxes(clusters, static_cast<std::uint32_t>(map.voxels().size()));
+  add_points(map, position);
   for (const VoxelBlock& block : map.blocks()) {
-    if (block.voxel_count > 0) add_block(map, position, block);
+    if (block.voxel_count > 0) add_block(block);
   }
-  boxes_.close(static_cast<std::uint32_t>(map.voxels().size()));
   index_rows();
 }
 
-void VoxelClusters::add_block(const VoxelMap& map, VoxelPosition position, const VoxelBlock& block) {
-  const std::array<std::uint32_t, kClusters> counts = voxels_in_clusters(block);
-  std::array<std::uint32_t, kClusters> next{};
-  std::uint32_t before = block.first_voxel;
-  for (std::size_t k = 0; k < kClusters; ++k) {
-    next[k] = before;
-    before += counts[k];
+void VoxelClusters::add_points(const VoxelMap& map, VoxelPosition position) {
+  for (std::size_t i = 0; i < map.voxels().size(); ++i) {
+    const Eigen::Vector3f at_m = voxel_position_m(map, i, position).cast<float>();
+    points_.x[i] = at_m.x();
+    points_.y[i] = at_m.y();
+    points_.z[i] = at_m.z();
   }
-  std::uint32_t voxel = block.first_voxel;
-  for (std::size_t z = 0; z < kBlockSize; ++z) {
-    std::uint32_t* const of_half = next.data() + (z < kHalf ? 0 : kClusters / 2);
-    for (std::uint64_t bits = block.occupied[z]; bits != 0; bits &= bits - 1, ++voxel) {
-      const std::uint32_t slot = of_half[kQuadrants[static_cast<std::size_t>(std::countr_zero(bits))]]++;
-      const Eigen::Vector3f at_m = voxel_position_m(map, voxel, position).cast<float>();
-      points_.x[slot] = at_m.x();
-      points_.y[slot] = at_m.y();
-      points_.z[slot] = at_m.z();
-      points_.number[slot] = static_cast<std::int32_t>(voxel);
-    }
-  }
+}
+
+// All its clusters have about as many voxels.
+void VoxelClusters::add_block(const VoxelBlock& block) {
   Block added{block.key, {boxes_.size(), 0}};
-  const std::array<const std::vector<float>*, 3> columns = {&points_.x, &points_.y, &points_.z};
-  for (std::size_t k = 0; k < kClusters; ++k) {
-    if (counts[k] == 0) continue;
-    Cluster cluster;
-    cluster.first = next[k] - counts[k];
-    cluster.end = next[k];
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      const Extent extent = extent_of(*columns[axis], cluster.first, cluster.end);
-      cluster.low_m[axis] = extent.low_m;
-      cluster.high_m[axis] = extent.high_m;
-    }
-    boxes_.add(cluster);
-  }
+  const std::uint32_t clusters = clusters_in(block);
+  const auto begin_of = [&](std::uint32_t k) { return block.first_voxel + block.voxel_count * k / clusters; };
+  for (std::uint32_t k = 0; k < clusters; ++k) boxes_.add(cluster_of(points_, begin_of(k), begin_of(k + 1)));
   added.clusters.end = boxes_.size();
   blocks_.push_back(added);
 }

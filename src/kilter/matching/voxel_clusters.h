@@ -26,8 +26,9 @@ enum class VoxelPosition {
   return voxel_centre(map.indices()[i], map.resolution_m());
 }
 
-/// The occupied voxels of a map in clusters of up to 4 x 4 x 4 cells with the boxes around their points. Clusters of a
-/// block stand one after the other, and so do blocks of one row, in the map's order. Immutable.
+/// The occupied voxels of a map, in its order, in clusters with the boxes around their points: up to sixteen of a block
+/// that follow each other, which is a strip of a floor or a wall. Blocks of one row stand one after the other.
+/// Immutable.
 class VoxelClusters {
  public:
   /// Numbers of clusters one after the other.
@@ -44,7 +45,7 @@ class VoxelClusters {
   /// O(voxels). Nothing of the map is kept.
   VoxelClusters(const VoxelMap& map, VoxelPosition position);
 
-  /// Point i of a cluster is of voxel number[i].
+  /// Point i is voxel i's.
   [[nodiscard]] const ClusteredPoints& points() const { return points_; }
   [[nodiscard]] const ClusterBoxes& boxes() const { return boxes_; }
   /// In order of their keys.
@@ -60,7 +61,8 @@ class VoxelClusters {
   using Octet = std::uint32_t;
   static constexpr int kOctet = 8;
 
-  void add_block(const VoxelMap& map, VoxelPosition position, const VoxelBlock& block);
+  void add_points(const VoxelMap& map, VoxelPosition position);
+  void add_block(const VoxelBlock& block);
   void index_rows();
   [[nodiscard]] std::uint32_t blocks_before(int x, std::size_t row) const;
   [[nodiscard]] std::uint32_t blocks_before_key(std::uint64_t key) const;
