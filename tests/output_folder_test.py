@@ -16,6 +16,7 @@ from pathlib import Path
 
 from check_test import FILES, CheckCase
 from kilter_runner import kilter_binary, main, run_kilter
+from tiny_mission import bytes_below
 
 
 class OutputFolder(CheckCase):
@@ -143,6 +144,30 @@ class OutputFolder(CheckCase):
     def test_a_full_disk_leaves_nothing_where_nothing_was(self):
         self.on_a_full_disk()
         self.assertFalse(self.out.exists())
+
+    @unittest.skipUnless(os.geteuid() == 0, "only root can give files away")
+    def test_a_rename_that_is_refused_half_way_leaves_the_old_result(self):
+        self.check("--maps")
+        self.tiny.folder.chmod(0o755)
+        self.out.chmod(0o1777)  # a file of another user cannot be replaced
+        nobody = {"user": 65534, "group": 65534, "extra_groups": []}
+        command = [str(kilter_binary()), "check", str(self.tiny.mission), "-o", str(self.out), "--set", "tolerance=0.2",
+                   *self.settings]
+        for path in self.out.iterdir():
+            os.chown(path, *((0, 0) if path.name == "map.png" else (65534, 65534)))
+        before = bytes_below(self.out)
+        try:
+            run = subprocess.run(command, capture_output=True, text=True, check=False, **nobody)
+        except PermissionError:
+            self.skipTest("another user cannot run the program where it lies")
+        self.assertEqual((run.returncode, run.stdout), (5, ""), run.stderr)
+        self.assertRegex(run.stderr, rf"(?m)^io: {re.escape(str(self.out))}/map.png: cannot be written: Operation not permitted")
+        self.assertTrue(bytes_below(self.out) == before)
+        os.chown(self.out / "map.png", 65534, 65534)
+        self.assertEqual(subprocess.run(command, capture_output=True, check=False, **nobody).returncode, 1)
+        after = bytes_below(self.out)
+        self.assertEqual([set(after), after["maps/a.ply"]], [set(before), before["maps/a.ply"]])
+        self.assertNotEqual(after["pairs.csv"], before["pairs.csv"])
 
     def stopped_while_writing(self, folder: Path, *arguments: object) -> tuple[int, str, str]:
         """Status and words of a run that is asked to stop while a file is written that will wait for its name in `folder`."""

@@ -15,13 +15,9 @@ import unittest
 from pathlib import Path
 
 from kilter_runner import Run, interrupt_kilter, kilter_binary, main, run_kilter
-from tiny_mission import TinyMission, read_result
+from tiny_mission import TinyMission, bytes_below, read_result
 
 FORMATS = ("ot", "bt", "pcd", "ply")
-
-
-def bytes_below(folder: Path) -> dict[str, bytes]:
-    return {str(file.relative_to(folder)): file.read_bytes() for file in sorted(folder.rglob("*")) if file.is_file()}
 
 
 class Submaps(unittest.TestCase):

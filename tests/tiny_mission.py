@@ -58,3 +58,8 @@ class TinyMission:
 def read_result(folder: Path) -> dict:
     """An output folder's result.json."""
     return json.loads((folder / "result.json").read_text(encoding="utf-8"))
+
+
+def bytes_below(folder: Path) -> dict[str, bytes]:
+    """All files of a folder and the folders in it."""
+    return {str(file.relative_to(folder)): file.read_bytes() for file in sorted(folder.rglob("*")) if file.is_file()}

@@ -113,7 +113,7 @@ Expected<void> publish(app::StagingFolder& staging, const MissionWriterOptions& 
     std::error_code status;
     if (fs::exists(fs::symlink_status(options.folder / part, status))) earlier.emplace_back(part);
   }
-  return staging.replace(earlier, {std::begin(kParts), std::end(kParts)});
+  return staging.publish({std::begin(kParts), std::end(kParts)}, earlier);
 }
 
 Expected<void> write_robot(const SimulatedMission& mission, std::size_t r, const Place& place, ScanFormat format,

@@ -86,7 +86,7 @@ Expected<void> write_output_folder(const fs::path& folder, const std::vector<Out
     if (auto fit = check_name(folder, file.name); !fit) return fit;
     names.push_back(file.name);
   }
-  const Expected<StagingFolder> staging = StagingFolder::make_in(folder);
+  Expected<StagingFolder> staging = StagingFolder::make_in(folder);
   if (!staging) return pass_up(staging.error());
   for (const OutputFile& file : files) {
     if (stop_flag()) break;

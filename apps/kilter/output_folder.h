@@ -29,9 +29,10 @@ struct OutputFile {
                                                const std::vector<std::filesystem::path>& inputs);
 
 /// Makes the folder where it is missing and writes the files: all of them first, then each is renamed, in the order
-/// given, so that no reader finds half of one and a full disk changes nothing. Files of others stay; a symlink in the
-/// place of a file is replaced, one in the place of a folder inside `folder` is refused. A stop that is asked for
-/// before the first is renamed changes nothing either. \return kIo, kNoSpace, kCancelled.
+/// given, so that no reader finds half of one. A full disk changes nothing, nor does a rename that is refused, be it
+/// the last. Files of others stay; a symlink in the place of a file is replaced, one in the place of a folder inside
+/// `folder` is refused. A stop that is asked for before the first is renamed changes nothing either. \return kIo,
+/// kNoSpace, kCancelled.
 [[nodiscard]] Expected<void> write_output_folder(const std::filesystem::path& folder,
                                                  const std::vector<OutputFile>& files);
 

@@ -64,6 +64,24 @@ class Moves {
     return error;
   }
 
+  // The same where something else may have the name, which it can have back from `kept`. Nobody finds the name without
+  // a file, unless the disk knows no hard links or the file is somebody else's.
+  std::error_code put_in_place(const fs::path& from, const fs::path& to, const fs::path& kept) {
+    std::error_code error;
+    const fs::file_type found = fs::symlink_status(to, error).type();
+    if (found == fs::file_type::not_found) return move(from, to);
+    if (found == fs::file_type::directory) return std::make_error_code(std::errc::is_a_directory);
+    fs::create_directories(kept.parent_path(), error);
+    if (!error) fs::create_hard_link(to, kept, error);
+    if (error) {
+      error = move(to, kept);
+      return error ? error : move(from, to);
+    }
+    fs::rename(from, to, error);
+    if (!error) moves_.push_back({to, kept, {}});
+    return error;
+  }
+
   // The last one first. Whether all of them could be.
   bool take_back() {
     bool all = true;
@@ -139,22 +157,7 @@ Expected<void> StagingFolder::write(const fs::path& name, std::string_view bytes
   return written;
 }
 
-Expected<void> StagingFolder::publish(const std::vector<fs::path>& names) const {
-  std::set<fs::path> folders;
-  for (const fs::path& name : names) {
-    const fs::path path = folder_ / name;
-    std::error_code error;
-    fs::create_directories(path.parent_path(), error);
-    if (error) return refuse(error, "cannot be made", path.parent_path());
-    fs::rename(path_ / name, path, error);
-    if (error) return refuse(error, "cannot be written", path);
-    folders.insert(path.parent_path());
-  }
-  for (const fs::path& folder : folders) sync_folder(folder);
-  return {};
-}
-
-Expected<void> StagingFolder::replace(const std::vector<fs::path>& earlier, const std::vector<fs::path>& names) {
+Expected<void> StagingFolder::publish(const std::vector<fs::path>& names, const std::vector<fs::path>& earlier) {
   Moves moves;
   std::set<fs::path> folders;
   const auto give_up = [&](const std::error_code& error, const std::string& what, const fs::path& name) {
@@ -169,7 +172,9 @@ Expected<void> StagingFolder::replace(const std::vector<fs::path>& earlier, cons
     }
   }
   for (const fs::path& name : names) {
-    if (const auto error = moves.move(path_ / name, folder_ / name)) return give_up(error, "cannot be written", name);
+    if (const auto error = moves.put_in_place(path_ / name, folder_ / name, path_ / kEarlier / name)) {
+      return give_up(error, "cannot be written", name);
+    }
     folders.insert((folder_ / name).parent_path());
   }
   for (const fs::path& folder : folders) sync_folder(folder);

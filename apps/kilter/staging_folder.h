@@ -33,15 +33,12 @@ class StagingFolder {
   /// Writes a file that waits for its name, relative to the output folder. \return kIo, kNoSpace with the final name.
   [[nodiscard]] Expected<void> write(const std::filesystem::path& name, std::string_view bytes) const;
 
-  /// Gives what waits its final names, in the order given; files and symlinks that stand there are replaced, and
-  /// folders above them made. \return kIo, kNoSpace; what was renamed before the failing one stays.
-  [[nodiscard]] Expected<void> publish(const std::vector<std::filesystem::path>& names) const;
-
-  /// The same where nothing is left under `names` once `earlier` is moved away, in the order given; it goes with the
-  /// hidden folder. \return kIo, kNoSpace; the output folder is as it was then. Should even that be refused, the hidden
-  /// folder stays, and the error says so.
-  [[nodiscard]] Expected<void> replace(const std::vector<std::filesystem::path>& earlier,
-                                       const std::vector<std::filesystem::path>& names);
+  /// Gives what waits its final names, in the order given, once `earlier` is moved away. Files and symlinks that stand
+  /// there are replaced, folders are not; folders above are made. What was there before goes with the hidden folder.
+  /// \return kIo, kNoSpace; the output folder is as it was then. Should even that be refused, the hidden folder stays,
+  /// and the error says so.
+  [[nodiscard]] Expected<void> publish(const std::vector<std::filesystem::path>& names,
+                                       const std::vector<std::filesystem::path>& earlier = {});
 
  private:
   StagingFolder(std::filesystem::path folder, std::filesystem::path path, std::filesystem::path first_made);

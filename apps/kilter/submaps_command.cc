@@ -227,7 +227,7 @@ Done<std::vector<WrittenRobot>> write_all(const SubmapsCommand& command, const J
   if (stop_flag()) return failed(stopped());
   const auto earlier = earlier_files(command, job);
   if (!earlier) return failed(earlier.error(), earlier.error().code != ErrorCode::kUsage);
-  if (auto done = staging->replace(*earlier, names); !done) return failed(done.error(), true);
+  if (auto done = staging->publish(names, *earlier); !done) return failed(done.error(), true);
   return written;
 }
 
