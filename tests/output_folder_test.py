@@ -31,6 +31,34 @@ class OutputFolder(CheckCase):
         self.assertEqual(elsewhere.read_text(), "precious")
         self.assertFalse((self.out / "pairs.csv").is_symlink())
 
+    def test_files_of_others_under_names_of_ours_are_refused_before_any_work(self):
+        self.assertEqual(self.check("--maps").status, 1)
+        ours = bytes_below(self.out)
+        for name, removed, words in (("result.json", (), "no result of kilter's"),
+                                     ("pairs.csv", ("result.json", "result.kilter"), "no result.json beside it says"),
+                                     ("maps/a.ply", (), "no map of kilter's"), ("maps/global.ot", ("maps/global.ply",), "no map")):
+            with self.subTest(name):
+                for gone in removed:
+                    (self.out / gone).unlink()
+                file = self.out / name
+                file.write_text('{"of": "somebody else"}\n')
+                if name == "pairs.csv":
+                    for other in sorted(ours.keys() - {name}):
+                        (self.out / other).unlink(missing_ok=True)
+                before = bytes_below(self.out)
+                run = self.check("--maps", "--verbose")
+                self.assertEqual((run.status, run.stdout), (2, ""), run.stderr)
+                self.assertIn(f"usage: {file}: there is a file already, and ", run.stderr)
+                self.assertIn(words, run.stderr)
+                self.assertNotIn("submaps", run.stderr)
+                self.assertTrue(bytes_below(self.out) == before)
+                for other, content in ours.items():
+                    (self.out / other).write_bytes(content)
+        (self.out / "result.json").unlink()
+        (self.out / "map.png").write_bytes(b"")
+        self.assertEqual(self.check("--maps").status, 1, "the rest of a result, and an empty file, are not kept")
+        self.assertEqual(set(bytes_below(self.out)), set(ours))
+
     def test_a_link_in_the_place_of_the_maps_folder_is_refused(self):
         self.out.mkdir()
         target = self.tiny.folder / "linked"

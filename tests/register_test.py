@@ -175,6 +175,30 @@ class RegisterTest(unittest.TestCase):
         # What cannot be read is told of first only where the output's name is all right.
         self.assertEqual(run_kilter("register", self.root / "none.bin", self.root / "none.bin", "-o", "x.ply").status, 3)
 
+    def test_a_cloud_of_somebody_else_stays_and_an_earlier_one_goes(self):
+        aligned = self.root / "theirs.ply"
+        aligned.write_text("ply\nformat ascii 1.0\ncomment frame submap, metres\nelement vertex 0\nend_header\n")
+        before = aligned.read_bytes()
+        done = self.register("-o", aligned)
+        self.assertEqual((done.status, done.stdout), (2, ""), done.stderr)
+        self.assertRegex(done.stderr, r"^usage: .*/theirs.ply: there is a file already, .*\n  try: name another file")
+        self.assertEqual(aligned.read_bytes(), before)
+        aligned.unlink()
+        for _ in range(2):
+            self.assertEqual(self.register("-o", aligned).status, 0)
+
+    def test_what_cannot_be_written_is_found_out_before_any_work(self):
+        none = self.root / "none.bin"
+        (self.root / "folder.ply").mkdir()
+        for name, words in (("x" * 252 + ".ply", "cannot be written: File name too long"),
+                            ("missing/new.ply", "there is no such file or folder"),
+                            ("target.bin/new.ply", "expected a folder, found a file"),
+                            ("folder.ply", "a folder stands where a file is to be written")):
+            done = run_kilter("register", none, none, "-o", self.root / name)
+            self.assertEqual((done.status, done.stdout), (5, ""), done.stderr)
+            self.assertIn(words, done.stderr)
+            self.assertIn("\n  try: ", done.stderr)
+
     def test_says_so_when_nothing_meets(self):
         write_bin(self.root / "far.bin", [(p[0] + 500, p[1], p[2]) for p in room()])
         done = run_kilter("register", self.root / "target.bin", self.root / "far.bin", "--json")

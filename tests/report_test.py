@@ -79,6 +79,26 @@ class Report(unittest.TestCase):
         self.assertEqual(archive.read_bytes(), before)
         self.assertTrue(linked.is_symlink())
 
+    def test_a_page_of_somebody_else_stays_and_an_earlier_report_goes(self):
+        page = self.tiny.folder / "theirs.html"
+        page.write_text("<!DOCTYPE html><title>my kilter notes</title>")
+        run = run_kilter("report", self.out, "-o", page)
+        self.assertEqual((run.status, run.stdout), (2, ""), run.stderr)
+        self.assertRegex(run.stderr, r"^usage: .*/theirs.html: there is a file already, .*\n  try: name another file")
+        self.assertIn("my kilter notes", page.read_text())
+        page.write_bytes(b"")
+        for _ in range(2):
+            self.assertEqual(run_kilter("report", self.out, "-o", page).status, 0)
+
+    def test_a_name_that_the_disk_does_not_take_is_found_out_before_any_work(self):
+        damaged = self.tiny.folder / "no.kilter"
+        damaged.write_bytes(b"no archive")
+        page = self.tiny.folder / "new" / ("x" * 251 + ".html")
+        run = run_kilter("report", damaged, "-o", page)
+        self.assertEqual((run.status, run.stdout), (5, ""), run.stderr)
+        self.assertRegex(run.stderr, r"^io: .*x\.html: cannot be written: File name too long\n  try: name another file")
+        self.assertFalse(page.parent.exists())
+
 
 if __name__ == "__main__":
     main()

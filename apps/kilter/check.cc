@@ -25,6 +25,7 @@
 #include "apps/kilter/fine_voxels.h"
 #include "apps/kilter/known_cuts.h"
 #include "apps/kilter/output_folder.h"
+#include "apps/kilter/own_files.h"
 #include "apps/kilter/result_files.h"
 #include "apps/kilter/signals.h"
 #include "apps/kilter/source_clouds.h"
@@ -272,6 +273,7 @@ int run_check(const CheckCommand& command) {
   if (auto fit = check_apart_from_clouds(command.output_folder, names, command.sources, job->mission); !fit) {
     return print_error(fit.error());
   }
+  if (auto fit = check_results_replaceable(command.output_folder, names); !fit) return print_error(fit.error());
   if (!command.common.quiet) print_notes_before(*job);
   const Expected<Result> result = run_job(command, *job);
   if (!result) return print_error(result.error());

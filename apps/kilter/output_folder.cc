@@ -2,9 +2,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "apps/kilter/output_folder.h"
 
+#include <cerrno>
 #include <system_error>
+#include <utility>
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include "apps/kilter/signals.h"
 #include "apps/kilter/staging_folder.h"
@@ -78,6 +81,24 @@ Expected<void> check_output_file(const fs::path& file, std::string_view extensio
                 "-o " + shown(file), "name another file with -o");
   }
   return {};
+}
+
+Expected<void> probe_output_file(const fs::path& file) {
+  const auto refuse_file = [](const fs::path& path, std::string message) {
+    return fail(ErrorCode::kIo, std::move(message), shown(path), "name another file with -o");
+  };
+  const fs::path folder = file.has_parent_path() ? file.parent_path() : ".";
+  if (Expected<void> there = expect_folder(folder); !there) {
+    there.error().hint = "make the folder first, or name another file with -o";
+    return there;
+  }
+  std::error_code error;
+  const fs::file_type found = fs::symlink_status(file, error).type();
+  if (found == fs::file_type::none) return refuse_file(file, "cannot be written: " + error.message());
+  if (found == fs::file_type::directory) return refuse_file(file, "a folder stands where a file is to be written");
+  if (::access(folder.c_str(), W_OK | X_OK) == 0) return {};
+  error = {errno, std::generic_category()};
+  return refuse_file(folder, "nothing can be written into it: " + error.message());
 }
 
 Expected<void> write_output_folder(const fs::path& folder, const std::vector<OutputFile>& files) {

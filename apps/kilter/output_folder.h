@@ -28,6 +28,10 @@ struct OutputFile {
 [[nodiscard]] Expected<void> check_output_file(const std::filesystem::path& file, std::string_view extension,
                                                const std::vector<std::filesystem::path>& inputs);
 
+/// Whether a file of that name could be written into a folder that is there, before any work.
+/// \return kNotFound, kIo.
+[[nodiscard]] Expected<void> probe_output_file(const std::filesystem::path& file);
+
 /// Makes the folder where it is missing and writes the files: all of them first, then each is renamed, in the order
 /// given, so that no reader finds half of one. A full disk changes nothing, nor does a rename that is refused, be it
 /// the last. Files of others stay; a symlink in the place of a file is replaced, one in the place of a folder inside

@@ -7,6 +7,7 @@
 #include <numbers>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
@@ -18,6 +19,7 @@
 #include "apps/kilter/exit_status.h"
 #include "apps/kilter/fine_voxels.h"
 #include "apps/kilter/output_folder.h"
+#include "apps/kilter/own_files.h"
 #include "apps/kilter/terminal.h"
 #include "kilter/io/cloud_file.h"
 #include "kilter/io/file.h"
@@ -34,6 +36,8 @@ namespace kilter::app {
 namespace {
 
 constexpr double kDegrees = 180.0 / std::numbers::pi;
+
+constexpr std::string_view kMarkOfAligned = "\ncomment frame target, metres\n";
 
 struct RegisterCommand {
   CommonOptions common;
@@ -187,6 +191,11 @@ int run_register(const RegisterCommand& command) {
   if (command.aligned) {
     const auto fit = check_output_file(*command.aligned, ".ply", {command.target, command.source});
     if (!fit) return print_error(fit.error());
+    if (auto fits = probe_output_file(*command.aligned); !fits) {
+      print_error(fits.error());
+      return exit_status_of_output(fits.error().code);
+    }
+    if (auto ours = check_replaceable(*command.aligned, kMarkOfAligned); !ours) return print_error(ours.error());
   }
   const Expected<CloudPair> clouds = read_clouds(command);
   if (!clouds) return print_error(clouds.error());

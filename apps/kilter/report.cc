@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <string_view>
 
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
@@ -13,6 +14,7 @@
 #include "apps/kilter/common_options.h"
 #include "apps/kilter/exit_status.h"
 #include "apps/kilter/output_folder.h"
+#include "apps/kilter/own_files.h"
 #include "apps/kilter/signals.h"
 #include "apps/kilter/terminal.h"
 #include "kilter/io/archive.h"
@@ -22,6 +24,8 @@
 
 namespace kilter::app {
 namespace {
+
+constexpr std::string_view kMarkOfReport = "<title>kilter";
 
 struct ReportCommand {
   CommonOptions common;
@@ -53,9 +57,14 @@ int run_report(const ReportCommand& command) {
   const std::filesystem::path result = command.result;
   const auto fit = check_output_file(path, ".html", {result, result / "result.kilter"});
   if (!fit) return print_error(fit.error());
+  const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : ".";
+  if (auto fits = probe_output_folder(folder, {path.filename()}); !fits) {
+    fits.error().hint = "name another file with -o";
+    return refuse_output(fits.error());
+  }
+  if (auto ours = check_replaceable(path, kMarkOfReport); !ours) return print_error(ours.error());
   const Expected<std::string> archive = read_archive_bytes(result);
   if (!archive) return print_error(archive.error());
-  const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : ".";
   const std::string html = report_html(*archive);
   if (auto done = write_output_folder(folder, {{path.filename(), html}}); !done) return refuse_output(done.error());
   if (auto done = present(command, html.size()); !done) return refuse_output(done.error());
