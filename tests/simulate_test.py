@@ -6,6 +6,7 @@ import json
 import os
 import re
 import resource
+import shutil
 import signal
 import subprocess
 import tempfile
@@ -110,6 +111,32 @@ class Simulate(unittest.TestCase):
         before = tree_bytes(made)
         self.simulate("again", "tunnel", "--replace", "--seed", "2", *QUICK)
         self.assertNotEqual(tree_bytes(made), before)
+
+    def test_what_others_have_put_into_a_mission_is_not_replaced(self):
+        made = self.simulate("shared", "tunnel", "--replace", *QUICK)
+        scan = (made / "mission" / "a" / "scans" / "000000.bin").read_bytes()
+        poses = (made / "mission" / "a" / "poses.tum").read_bytes()
+        for name, content, told in (("mission/mine/poses.tum", poses, "mission/mine"), ("mission/e/scans/000000.bin", scan, "mission/e"),
+                                    ("mission/a/poses_slam.tum", poses, None), ("mission/a/scans/900000.bin", scan, None),
+                                    ("mission/result.json", b"{}", None), ("truth/mine/poses.tum", poses, "truth/mine"),
+                                    ("truth/a/notes.txt", b"mine", None)):
+            with self.subTest(name):
+                file = made / name
+                alone = not file.parent.exists()
+                file.parent.mkdir(parents=True, exist_ok=True)
+                file.write_bytes(content)
+                before = tree_bytes(made)
+                run = run_kilter("simulate", "tunnel", "-o", made, "--replace", *QUICK)
+                self.assertEqual((run.status, run.stdout), (2, ""), run.stderr)
+                self.assertEqual(run.stderr, f"usage: {made / (told or name)}: simulate did not write this; it is left alone\n"
+                                             "  try: move it away, or choose another folder\n")
+                self.assertEqual(tree_bytes(made), before)
+                if alone:
+                    shutil.rmtree(made / told)
+                else:
+                    file.unlink()
+        self.simulate("shared", "tunnel", "--replace", "--format", "pcd", *QUICK)
+        self.simulate("shared", "office", "--replace", *QUICK)
 
     def test_what_does_not_exist_is_refused_with_the_nearest_name(self):
         for arguments, hint in ((["offise"], "did you mean office?"), (["office", "--beams", "17"], "16, 32 or 64"),

@@ -11,6 +11,7 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 
+#include "apps/kilter/earlier_mission.h"
 #include "apps/kilter/staging_folder.h"
 #include "kilter/io/file.h"
 
@@ -84,30 +85,10 @@ std::string scan_bytes(const SimulatedScan& scan, ScanFormat format) {
 }
 
 constexpr const char* kParts[] = {"truth", "mission"};
-constexpr const char* kFaultsSchema = "kilter.faults/1";
-
-// Recordings may stand in a folder of the same name.
-bool is_simulated(const fs::path& folder) {
-  const Expected<ByteBuffer> faults = read_file(folder / "truth" / "faults.json");
-  return faults && faults->view().find(kFaultsSchema) != std::string_view::npos;
-}
-
-Expected<void> check_folder(const MissionWriterOptions& options) {
-  for (const char* part : kParts) {
-    const fs::path path = options.folder / part;
-    std::error_code status;
-    if (!fs::exists(path, status) || (options.replace && is_simulated(options.folder))) continue;
-    return options.replace
-               ? fail(ErrorCode::kUsage,
-                      "this is no mission of simulate's, which has a truth/faults.json beside it; it is left alone",
-                      printable(path.string()), "choose another folder")
-               : fail(ErrorCode::kUsage, "there is a mission already", printable(path.string()),
-                      "choose another folder, or --replace");
-  }
-  return {};
-}
 
 Expected<void> publish(app::StagingFolder& staging, const MissionWriterOptions& options) {
+  // Somebody may have put something there since.
+  if (Expected<void> fit = check_room_for_mission(options.folder, options.replace); !fit) return fit;
   std::vector<fs::path> earlier;
   for (const char* part : kParts) {
     std::error_code status;
@@ -155,7 +136,7 @@ std::string faults_json(const SimulatedMission& mission, const std::string& scen
 
 Expected<void> write_mission(const SimulatedMission& mission, const MissionWriterOptions& options,
                              const RunContext& run) {
-  if (Expected<void> fit = check_folder(options); !fit) return fit;
+  if (Expected<void> fit = check_room_for_mission(options.folder, options.replace); !fit) return fit;
   Expected<app::StagingFolder> staging = app::StagingFolder::make_in(options.folder);
   if (!staging) return pass_up(staging.error());
   const Place place{staging->path(), options.folder};

@@ -19,7 +19,7 @@ enum class ScanFormat { kBin, kPcd };
 struct MissionWriterOptions {
   std::filesystem::path folder;
   ScanFormat format = ScanFormat::kBin;
-  bool replace = false;  ///< an earlier mission's `mission/` and `truth/` goes once the new one is whole
+  bool replace = false;  ///< an earlier mission of ours goes once the new one is whole
   std::string scene;     ///< named in faults.json
   std::uint64_t seed = 1;
 };
@@ -27,7 +27,7 @@ struct MissionWriterOptions {
 /// Writes `mission/ROBOT/{poses.tum, scans/000000.bin}`, `truth/ROBOT/poses.tum` and `truth/faults.json`, which get
 /// their names when all of it is whole: whatever it returns else, the folder is as it was.
 /// Scans are made and written a few at a time, so memory does not grow with the mission.
-/// \return kIo or kNoSpace naming the file; kUsage when the folder already holds a mission; kCancelled.
+/// \return kIo or kNoSpace naming the file; what check_room_for_mission fails with; kCancelled.
 [[nodiscard]] Expected<void> write_mission(const SimulatedMission& mission, const MissionWriterOptions& options,
                                            const RunContext& run);
 
