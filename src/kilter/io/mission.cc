@@ -130,6 +130,11 @@ Expected<Mission> open_mission(const std::vector<std::string>& sources, const Mi
   for (const FoundRobot& robot : *robots) {
     Expected<RobotLog> log = open_robot(robot, options, mission.notes);
     if (!log) return pass_up(log.error());
+    if (!robot.links.empty()) {
+      mission.notes.push_back(fmt::format("robot {}: {} {} to the same folder, and {} passed over", robot.name,
+                                          some_of(robot.links), robot.links.size() == 1 ? "leads" : "lead",
+                                          robot.links.size() == 1 ? "is" : "are"));
+    }
     count_in(*log, robot.kind->open == open_robot_folder, mission.sources[robot.source]);
     mission.robots.push_back(*std::move(log));
   }

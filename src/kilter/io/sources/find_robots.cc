@@ -70,7 +70,7 @@ Expected<FoundRobot> robot_from_path(const fs::path& path, const SourceKind& kin
                 fmt::format("this {}'s name cannot be a robot's: {}", is_file(path) ? "file" : "folder", *fault),
                 shown(path), "give the robot another name: NAME=PATH");
   }
-  return FoundRobot{name, path, &kind, {}};
+  return FoundRobot{name, path, &kind, {}, {}};
 }
 
 tl::unexpected<Error> refuse_file(const fs::path& path) {
@@ -83,13 +83,36 @@ tl::unexpected<Error> refuse_file(const fs::path& path) {
               shown(path), known_kinds());
 }
 
-// Programs leave a link `latest` beside the folder that it leads to; both would be one robot twice.
-bool leads_to_neighbour(const fs::path& entry) {
+// A robot's folder inside of a mission's, and links beside it that lead there, too.
+struct Inside {
+  fs::path path;
+  std::vector<std::string> links;
+};
+
+// Of names that lead to one folder the robot's is the folder itself, else a link that leads out of the mission.
+int rank_of(const fs::path& entry) {
   std::error_code error;
-  if (!fs::is_symlink(entry, error)) return false;
-  const fs::path target = fs::canonical(entry, error);
-  const fs::path folder = fs::canonical(entry.parent_path(), error);
-  return !error && target.parent_path() == folder;
+  if (!fs::is_symlink(entry, error)) return 0;
+  const fs::path next = entry.parent_path() / fs::read_symlink(entry, error);
+  return fs::equivalent(next.parent_path(), entry.parent_path(), error) ? 2 : 1;
+}
+
+// Programs leave a link `latest` beside the folder that it leads to; both would be one robot twice.
+std::vector<Inside> each_once(std::vector<fs::path> entries) {
+  std::stable_sort(entries.begin(), entries.end(),
+                   [](const fs::path& a, const fs::path& b) { return rank_of(a) < rank_of(b); });
+  std::vector<Inside> robots;
+  for (const fs::path& entry : entries) {
+    std::error_code error;
+    const auto same = std::find_if(robots.begin(), robots.end(),
+                                   [&](const Inside& robot) { return fs::equivalent(robot.path, entry, error); });
+    if (same == robots.end()) {
+      robots.push_back({entry, {}});
+    } else {
+      same->links.push_back(entry.filename().string());
+    }
+  }
+  return robots;
 }
 
 // What lies in a mission and is nobody's: mkfs makes lost+found at the top of a disk, for root alone.
@@ -102,7 +125,7 @@ tl::unexpected<Error> refuse_neighbour(Error error) {
 }
 
 // Robot folders among a folder's folders; if there are none, folders of any other kind.
-Expected<std::vector<fs::path>> robots_inside(const fs::path& folder) {
+Expected<std::vector<Inside>> robots_inside(const fs::path& folder) {
   const auto names = list_folder(folder);
   if (!names) return pass_up(names.error());
   std::vector<fs::path> own;
@@ -112,7 +135,7 @@ Expected<std::vector<fs::path>> robots_inside(const fs::path& folder) {
     if (is_of_no_robot(name)) continue;
     const auto type = type_at(folder / name);
     if (!type) return refuse_neighbour(type.error());
-    if (*type != fs::file_type::directory || leads_to_neighbour(folder / name)) continue;
+    if (*type != fs::file_type::directory) continue;
     const SourceKind* kind = recognise(folder / name);
     (kind == nullptr ? none : kind->open == open_robot_folder ? own : other).push_back(folder / name);
   }
@@ -120,7 +143,7 @@ Expected<std::vector<fs::path>> robots_inside(const fs::path& folder) {
   for (const fs::path& passed_over : none) {
     if (auto ok = check_holds_no_robot(passed_over); !ok) return refuse_neighbour(ok.error());
   }
-  return own.empty() ? other : own;
+  return each_once(own.empty() ? std::move(other) : std::move(own));
 }
 
 bool is_mission(const fs::path& path) {
@@ -199,15 +222,15 @@ Expected<std::vector<FoundRobot>> robots_of_named(const std::string& name, const
     return fail(ErrorCode::kNotFound, "expected scans/ or submaps/ in it, or another kind of source, found neither",
                 shown(path), known_kinds());
   }
-  return std::vector<FoundRobot>{{name, path, kind, parts.topics}};
+  return std::vector<FoundRobot>{{name, path, kind, parts.topics, {}}};
 }
 
 Expected<std::vector<FoundRobot>> robots_of_path(const PathAndTopics& parts) {
   const fs::path& path = parts.path;
   if (const auto type = type_at(path); !type) return pass_up(type.error());
-  std::vector<fs::path> candidates;
+  std::vector<Inside> candidates;
   if (recognise(path) != nullptr) {
-    candidates.push_back(path);
+    candidates.push_back({path, {}});
   } else if (!is_folder(path)) {
     return refuse_file(path);
   } else {
@@ -220,9 +243,10 @@ Expected<std::vector<FoundRobot>> robots_of_path(const PathAndTopics& parts) {
     return refuse_folder(path);
   }
   std::vector<FoundRobot> robots;
-  for (const fs::path& candidate : candidates) {
-    Expected<FoundRobot> robot = robot_from_path(candidate, *recognise(candidate));
+  for (Inside& candidate : candidates) {
+    Expected<FoundRobot> robot = robot_from_path(candidate.path, *recognise(candidate.path));
     if (!robot) return pass_up(robot.error());
+    robot->links = std::move(candidate.links);
     robot->topics = parts.topics;
     robots.push_back(*std::move(robot));
   }

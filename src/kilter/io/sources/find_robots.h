@@ -18,7 +18,8 @@ struct FoundRobot {
   std::filesystem::path path;
   const SourceKind* kind = nullptr;
   std::vector<std::string> topics;
-  std::size_t source = 0;  ///< which one of the command line named it
+  std::vector<std::string> links;  ///< beside it, which lead to it and are no robots of their own
+  std::size_t source = 0;          ///< which one of the command line named it
 };
 
 /// "kilter reads a folder with poses.* and ...": everything that can be named.

@@ -115,6 +115,36 @@ TEST(FindRobots, PassesOverWhatIsNobodys) {
   EXPECT_EQ(opened->robots.size(), 2U);
 }
 
+TEST(FindRobots, TakesAFolderOnceHoweverManyNamesLeadToIt) {
+  const TwoRobots mission;
+  const fs::path& folder = mission.folder.path();
+  const TempFolder elsewhere;
+  write_robot(elsewhere, "run");
+  fs::create_directory_symlink(elsewhere.path() / "run", folder / "d");
+  fs::create_directory_symlink("d", folder / "b_latest");
+  fs::create_directory_symlink(elsewhere.path() / "run", folder / "e");
+  fs::create_directory_symlink("c", folder / "latest");
+  fs::create_directory_symlink(mission.a, folder / "A");
+  const auto opened = open_source(folder);
+  ASSERT_TRUE(opened) << to_string(opened.error());
+  std::string names;
+  for (const RobotLog& robot : opened->robots) names += robot.name;
+  EXPECT_EQ(names, "acd");
+  ASSERT_EQ(opened->notes.size(), 3U);
+  EXPECT_EQ(opened->notes[0], "robot a: A leads to the same folder, and is passed over");
+  EXPECT_EQ(opened->notes[1], "robot c: latest leads to the same folder, and is passed over");
+  EXPECT_EQ(opened->notes[2], "robot d: e, b_latest lead to the same folder, and are passed over");
+}
+
+TEST(FindRobots, LeavesNoRobotOutWhoseNameIsALinkToAHiddenFolder) {
+  const TwoRobots mission;
+  fs::rename(mission.c, mission.folder.path() / ".c-second-try");
+  fs::create_directory_symlink(".c-second-try", mission.c);
+  const auto opened = open_source(mission.folder.path());
+  ASSERT_TRUE(opened) << to_string(opened.error());
+  EXPECT_EQ(opened->robots.size(), 2U);
+}
+
 TEST(FindRobots, TellsWhyPosesCannotBeRead) {
   const TwoRobots mission;
   fs::remove(mission.c / "poses.tum");
