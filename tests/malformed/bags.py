@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import bz2
 import itertools
+import random
 import sqlite3
 import struct
 import tempfile
@@ -25,7 +26,7 @@ Message = tuple[str, str, bytes]
 def cloud(order: str | None, second: int = 2, **changes: object) -> bytes:
     """A PointCloud2 of two points, field by field, with some of the fields changed."""
     said = {"height": 1, "width": 2, "names": "xyz", "type": 7, "offsets": (0, 4, 8), "point_step": 12, "row_step": 24, "data": 24,
-            "fields": 3, "name_bytes": None} | changes
+            "fields": 3, "name_bytes": None, "points": None} | changes
     message = seeds.RosMessage(order).header(second, "lidar").put("I", said["height"], said["width"], said["fields"])
     for name, offset in zip(said["names"], said["offsets"], strict=False):
         if said["name_bytes"] is None:
@@ -34,7 +35,7 @@ def cloud(order: str | None, second: int = 2, **changes: object) -> bytes:
             message.put("I", said["name_bytes"]).body += name.encode()
         message.put("I", offset).put("B", said["type"]).put("I", 1)
     message.put("B", 0).put("I", said["point_step"], said["row_step"], said["data"])
-    message.body += b"".join(struct.pack("<3f", *p) for p in seeds.XYZ)
+    message.body += said["points"] or b"".join(struct.pack("<3f", *p) for p in seeds.XYZ)
     return message.put("B", 1).bytes()
 
 
@@ -115,6 +116,13 @@ def ros1_cases() -> Iterator[Case]:
     hollow = bz2.compress(bytes(64 << 20))
     chunk_record = seeds.bag_record(hollow, op=b"\5", compression=b"bz2", size=struct.pack("<I", 64 << 20))
     yield Case("rosbag1", "decompression_bomb", {".bag": seeds.rosbag1([])[:seeds.rosbag1([]).index(b"op=\5") - 8] + chunk_record})
+    # What bzip2 unpacks slowest for its size: 32 chunks of one cloud, each of 40,000 points of a hundred bytes.
+    points = random.Random(1).randbytes(200) * 20000
+    much = seeds.rosbag1([("/points", "sensor_msgs/PointCloud2", cloud(None, width=40000, point_step=100, row_step=len(points),
+                                                                       data=len(points), points=points)),
+                          *seeds.drive(None, "odometry")], "bz2", closed=False)
+    begin = much.index(b"op=\5") - 8
+    yield Case("rosbag1", "bz2_of_much", {".bag": much[:begin] + 32 * much[begin:]})
     yield Case("rosbag1", "zeros", {".bag": bytes(4096)})
     yield Case("rosbag1", "ones", {".bag": b"#ROSBAG V2.0\n" + b"\xff" * 4096})
     yield Case("rosbag1", "empty", {".bag": b""})

@@ -23,6 +23,11 @@ namespace {
 // A back reference of 3 bytes yields at most 264.
 constexpr std::uint64_t kMaxLzfRatio = 88;
 
+// Fields other than x, y and z may pack as well as that, and are thrown away; but points take three packed bytes and
+// more each, and few are larger than 64 when unpacked.
+constexpr std::uint64_t kMostLzfRatio = 24;
+constexpr std::uint64_t kFreeLzfBytes = std::uint64_t{64} << 20;
+
 Expected<PointCloud> read_ascii(ByteCursor& bytes, const PcdHeader& header, const std::string& where) {
   const TextPointLayout layout = {
       .columns = header.columns,
@@ -121,6 +126,13 @@ Expected<CompressedBlock> take_block(ByteCursor& bytes, const PcdHeader& header,
     return fail(ErrorCode::kParse,
                 fmt::format("{} bytes of LZF data cannot hold the {} that are claimed", packed_bytes, unpacked_bytes),
                 where);
+  }
+  const std::uint64_t most = std::max(kFreeLzfBytes, kMostLzfRatio * packed_bytes);
+  if (unpacked_bytes > most) {
+    return fail(ErrorCode::kUnsupported,
+                fmt::format("{} packed bytes claim to hold {}; of so few at most {} are unpacked", packed_bytes,
+                            unpacked_bytes, most),
+                where, "write it without compression, or without the fields that kilter does not read");
   }
   if (auto ok = check_packed_points(header.points, packed_bytes, where); !ok) return pass_up(ok.error());
   return CompressedBlock{*packed, unpacked_bytes};

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "testing/allocation_watch.h"
 #include "testing/cloud_bytes.h"
 #include "testing/temp_folder.h"
 
@@ -248,6 +249,21 @@ TEST(ReadPcd, RefusesMorePointsThanCompressedBytesJustify) {
   pcd.width = pcd.points = "1048577";
   pcd.body = compressed(std::string(3 * 1048577, '\5'));
   expect_error(pcd, ErrorCode::kUnsupported, "claim to hold 1048577 points; of so few at most 1048576 are unpacked");
+}
+
+TEST(ReadPcd, UnpacksNoMoreForOtherFieldsThanPointsMayTake) {
+  constexpr std::uint32_t kPoints = 70'000;  // of a thousand bytes
+  PcdBytes pcd = {.fields = "x y z more",
+                  .size = "4 4 4 4",
+                  .type = "F F F F",
+                  .count = "1 1 1 247",
+                  .width = std::to_string(kPoints),
+                  .points = std::to_string(kPoints),
+                  .data = "binary_compressed",
+                  .body = compressed(std::string(std::size_t{kPoints} * 1000, '\0'))};
+  kilter_testing::largest_allocation() = 0;
+  expect_error(pcd, ErrorCode::kUnsupported, "claim to hold 70000000; of so few at most 67108864 are unpacked");
+  EXPECT_LT(kilter_testing::largest_allocation(), std::size_t{8} << 20);
 }
 
 TEST(ReadPcd, RefusesCompressedBlocksThatLie) {

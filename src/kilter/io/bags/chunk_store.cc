@@ -12,9 +12,10 @@
 namespace kilter {
 namespace {
 
-// Neighbouring clouds share a chunk; a chunk larger than this holds but one.
-constexpr std::size_t kHeldChunks = 4;
-constexpr std::size_t kMaxHeldBytes = std::size_t{16} << 20;
+// As long as one is found by walking through all.
+constexpr std::size_t kMostHeldChunks = 256;
+
+constexpr const char* kUnpackIt = "write the recording without compression";
 
 std::uint32_t crc32_of(std::string_view bytes) {
   return static_cast<std::uint32_t>(
@@ -23,15 +24,35 @@ std::uint32_t crc32_of(std::string_view bytes) {
 
 }  // namespace
 
-std::uint32_t ChunkStore::add(const PackedChunk& chunk) {
+Expected<std::uint32_t> ChunkStore::add(const PackedChunk& chunk) {
+  const auto number = static_cast<std::uint32_t>(chunks_.size());
   chunks_.push_back(chunk);
-  return static_cast<std::uint32_t>(chunks_.size() - 1);
+  if (chunk.packing != Packing::kBz2) return number;
+  const std::uint64_t most = most_of_bz2(file_.size());
+  bz2_bytes_ += std::min(chunk.unpacked_bytes, kMaxUnpackedBytes);
+  if (bz2_bytes_ <= most) return number;
+  return fail(ErrorCode::kUnsupported,
+              fmt::format("up to here bzip2 would unpack {} bytes; of a file of {} at most {} are", bz2_bytes_,
+                          file_.size(), most),
+              where_of_chunk(number), kUnpackIt);
+}
+
+// Chunks that were put out may be asked for again, for every cloud in them.
+Expected<void> ChunkStore::charge(std::uint32_t number) const {
+  const PackedChunk& chunk = chunks_[number];
+  const std::uint64_t bytes = std::min(chunk.unpacked_bytes, most_unpacked(chunk.packed_bytes));
+  const std::uint64_t cost = chunk.packing == Packing::kBz2 ? kTimesBz2IsSlower * bytes : bytes;
+  const std::uint64_t before = charged_bytes_.fetch_add(cost);
+  if (before <= most_unpacked_again(file_.size())) return {};
+  return fail(ErrorCode::kUnsupported, "chunks have to be unpacked over and over, as they hold too much for memory",
+              where_of_chunk(number), std::string(kUnpackIt) + ", or in chunks of some megabytes");
 }
 
 Expected<std::shared_ptr<const ByteBuffer>> ChunkStore::chunk(std::uint32_t number) const {
   KILTER_EXPECTS(number < chunks_.size());
   if (auto held = find_held(number)) return held;
   const PackedChunk& chunk = chunks_[number];
+  if (auto ok = charge(number); !ok) return pass_up(ok.error());
   const std::string where = where_of_chunk(number);
   const Expected<ByteBuffer> packed = file_.read(chunk.offset, chunk.packed_bytes);
   if (!packed) return pass_up(packed.error());
@@ -41,7 +62,7 @@ Expected<std::shared_ptr<const ByteBuffer>> ChunkStore::chunk(std::uint32_t numb
     return fail(ErrorCode::kParse, "the chunk's checksum (CRC-32) is not that of its bytes: it is damaged", where);
   }
   auto shared = std::make_shared<const ByteBuffer>(*std::move(bytes));
-  if (shared->size() <= kMaxHeldBytes) hold(number, shared);
+  hold(number, shared);
   return shared;
 }
 
@@ -72,13 +93,20 @@ std::string ChunkStore::where_of_chunk(std::uint32_t number) const {
 std::shared_ptr<const ByteBuffer> ChunkStore::find_held(std::uint32_t number) const {
   const std::lock_guard lock(mutex_);
   const auto found = std::find_if(held_.begin(), held_.end(), [&](const Held& held) { return held.first == number; });
-  return found == held_.end() ? nullptr : found->second;
+  if (found == held_.end()) return nullptr;
+  held_.splice(held_.begin(), held_, found);
+  return held_.front().second;
 }
 
 void ChunkStore::hold(std::uint32_t number, const std::shared_ptr<const ByteBuffer>& bytes) const {
+  if (bytes->size() > kMostHeldBytes) return;
+  if (find_held(number)) return;  // another thread was faster
   const std::lock_guard lock(mutex_);
   held_.emplace_front(number, bytes);
-  if (held_.size() > kHeldChunks) held_.pop_back();
+  held_bytes_ += bytes->size();
+  for (; held_bytes_ > kMostHeldBytes || held_.size() > kMostHeldChunks; held_.pop_back()) {
+    held_bytes_ -= held_.back().second->size();
+  }
 }
 
 }  // namespace kilter

@@ -2,8 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <atomic>
+#include <cstddef>
 #include <cstdint>
-#include <deque>
+#include <list>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -26,18 +28,23 @@ struct PackedChunk {
   std::uint32_t crc32 = 0;  ///< of the unpacked bytes; 0 where the bag has none
 };
 
-/// A bag's file, and its packed chunks as they are asked for. The last few stay unpacked.
+/// So much of what was unpacked last stays in memory: neighbouring clouds share a chunk. A larger chunk does not, since
+/// it mostly holds but one.
+inline constexpr std::size_t kMostHeldBytes = std::size_t{32} << 20;
+
+/// A bag's file, and its packed chunks as they are asked for. How much is unpacked is bounded by the file's size.
 class ChunkStore {
  public:
   explicit ChunkStore(RandomAccessFile file) : file_(std::move(file)) {}
 
   [[nodiscard]] const RandomAccessFile& file() const { return file_; }
 
-  /// \return the chunk's number. Not while others read.
-  std::uint32_t add(const PackedChunk& chunk);
+  /// \return the chunk's number, or kUnsupported: beyond most_of_bz2. Not while others read.
+  [[nodiscard]] Expected<std::uint32_t> add(const PackedChunk& chunk);
 
   /// A chunk's bytes, unpacked. May be called from several threads at once.
-  /// \return  kTruncated, kParse (damaged, or another checksum), kUnsupported (it claims too much), kIo, kOutOfMemory.
+  /// \return  kTruncated, kParse (damaged, or another checksum), kUnsupported (it claims too much,
+  /// most_unpacked_again), kIo, kOutOfMemory.
   [[nodiscard]] Expected<std::shared_ptr<const ByteBuffer>> chunk(std::uint32_t number) const;
 
   /// A message's bytes from its chunk, or from the file where it is in none. As `chunk`.
@@ -50,13 +57,17 @@ class ChunkStore {
 
  private:
   using Held = std::pair<std::uint32_t, std::shared_ptr<const ByteBuffer>>;
+  [[nodiscard]] Expected<void> charge(std::uint32_t number) const;
   [[nodiscard]] std::shared_ptr<const ByteBuffer> find_held(std::uint32_t number) const;
   void hold(std::uint32_t number, const std::shared_ptr<const ByteBuffer>& bytes) const;
 
   RandomAccessFile file_;
   std::vector<PackedChunk> chunks_;
   mutable std::mutex mutex_;
-  mutable std::deque<Held> held_;  // latest first
+  std::uint64_t bz2_bytes_ = 0;  // that all chunks packed so claim
+  mutable std::atomic<std::uint64_t> charged_bytes_ = 0;
+  mutable std::list<Held> held_;  // latest first
+  mutable std::size_t held_bytes_ = 0;
 };
 
 }  // namespace kilter

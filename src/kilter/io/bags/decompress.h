@@ -33,6 +33,20 @@ inline constexpr std::uint64_t kMaxUnpackedBytes = std::uint64_t{1} << 30;
   return most < kMaxUnpackedBytes ? most : kMaxUnpackedBytes;
 }
 
+/// bzip2 unpacks 10 to 100 MB a second: the packed chunks of one file that are looked into may
+/// claim 16 MiB and a hundred times the file's size together. Clouds hardly shrink to less than a third.
+[[nodiscard]] constexpr std::uint64_t most_of_bz2(std::uint64_t file_bytes) {
+  return (std::uint64_t{1} << 24) + 100 * file_bytes;
+}
+
+/// All that is unpacked of one file, however often, before it is given up: 512 MiB and 4,000 times its size, where
+/// bzip2 counts ten times. Recordings in whatever order come to some dozens; a chunk beyond kMostHeldBytes that holds
+/// thousands of clouds, and would be unpacked for each, does not.
+inline constexpr std::uint64_t kTimesBz2IsSlower = 10;
+[[nodiscard]] constexpr std::uint64_t most_unpacked_again(std::uint64_t file_bytes) {
+  return (std::uint64_t{1} << 29) + 4000 * file_bytes;
+}
+
 /// Unpacks one chunk: a bzip2 stream, an LZ4 frame or a Zstandard frame.
 ///
 /// \param unpacked_bytes  what the bag says that it unpacks to; it must do so exactly

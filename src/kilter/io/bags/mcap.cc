@@ -173,11 +173,13 @@ Expected<void> Mcap::walk_chunk(const McapRecord& record, const MessageVisitor& 
     if (count_by_index(record.end(), WhatToCount::kAll)) return {};
     return refuse_to_pass_over(file_.where(record.begin));
   }
-  const std::uint32_t number = store_.add({*packing, chunk->begin, chunk->size, chunk->unpacked_bytes, chunk->crc32});
-  const auto bytes = store_.chunk(number);
+  const Expected<std::uint32_t> number =
+      store_.add({*packing, chunk->begin, chunk->size, chunk->unpacked_bytes, chunk->crc32});
+  if (!number) return pass_up(number.error());
+  const auto bytes = store_.chunk(*number);
   if (!bytes) return pass_up(bytes.error());
-  ByteWindow window((*bytes)->view(), store_.where_of_chunk(number));
-  return walk_inside(window, number, visit);
+  ByteWindow window((*bytes)->view(), store_.where_of_chunk(*number));
+  return walk_inside(window, *number, visit);
 }
 
 // The file ends inside this record. Whole messages of a chunk that is not packed can still be had.

@@ -174,11 +174,13 @@ Expected<std::uint64_t> Rosbag1::walk_chunk(const Rosbag1Record& record, const M
     if (count_by_index(record.end(), WhatToCount::kAll)) return record.end();
     return refuse_to_pass_over(file_.where(record.data_begin));
   }
-  const std::uint32_t number = store_.add({*packing, record.data_begin, record.data_size, *record.fields.size, 0});
-  const auto bytes = store_.chunk(number);
+  const Expected<std::uint32_t> number =
+      store_.add({*packing, record.data_begin, record.data_size, *record.fields.size, 0});
+  if (!number) return pass_up(number.error());
+  const auto bytes = store_.chunk(*number);
   if (!bytes) return pass_up(bytes.error());
-  ByteWindow window((*bytes)->view(), store_.where_of_chunk(number));
-  auto end = walk_records(window, number, visit);
+  ByteWindow window((*bytes)->view(), store_.where_of_chunk(*number));
+  auto end = walk_records(window, *number, visit);
   if (!end) return end;
   if (*end == window.end()) return record.end();
   return fail(ErrorCode::kParse, "a record is longer than the chunk that holds it", window.where(*end));
