@@ -310,7 +310,8 @@ void add_check_command(CLI::App& program, int& status) {
   add_word_option<bool>(*app, "--preset", command->seed_preset, {{"seed", true}},
                         "start from the paper's method and nothing else")
       ->option_text("seed");
-  app->add_flag("--maps", command->maps, "also write each robot's fused map and the global one");
+  app->add_flag("--maps", command->maps,
+                "also write each robot's fused map and the global one; they take memory beyond --memory");
   add_word_option<FailOn>(
       *app, "--fail-on", command->fail_on,
       {{"inconsistent", FailOn::kInconsistent}, {"undetermined", FailOn::kUndetermined}, {"never", FailOn::kNever}},
