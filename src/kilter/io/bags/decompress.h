@@ -33,8 +33,8 @@ inline constexpr std::uint64_t kMaxUnpackedBytes = std::uint64_t{1} << 30;
   return most < kMaxUnpackedBytes ? most : kMaxUnpackedBytes;
 }
 
-/// bzip2 unpacks 10 to 100 MB a second: the packed chunks of one file that are looked into may
-/// claim 16 MiB and a hundred times the file's size together. Clouds hardly shrink to less than a third.
+/// bzip2 unpacks 10 to 100 MB a second: the packed chunks of one file that are looked into may claim 16 MiB and a
+/// hundred times the file's size together. Clouds hardly shrink to less than a third.
 [[nodiscard]] constexpr std::uint64_t most_of_bz2(std::uint64_t file_bytes) {
   return (std::uint64_t{1} << 24) + 100 * file_bytes;
 }
