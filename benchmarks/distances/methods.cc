@@ -22,8 +22,9 @@ Method all_together(const Side& source, const Side& target) {
   return {"kilter", [&, state = std::make_shared<std::unique_ptr<Searches>>()](
                         std::span<const Pose3> poses, std::vector<float>& distances_m, bool build) {
             if (build || !*state) *state = std::make_unique<Searches>(search_of(source), search_of(target));
+            std::vector<NearestVoxel> found(source.points_m.size(), NearestVoxel{kNoVoxel, 0.0});
             for (const Pose3& pose : poses) {
-              const std::vector<NearestVoxel> found = nearest_of_all((*state)->first, (*state)->second, pose, kLimit_m);
+              nearest_of_all_again((*state)->first, (*state)->second, pose, kLimit_m, found);
               for (std::size_t i = 0; i < found.size(); ++i) {
                 distances_m[i] = found[i].voxel == kNoVoxel ? kNone : static_cast<float>(found[i].distance_m);
               }

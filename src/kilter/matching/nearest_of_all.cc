@@ -62,7 +62,12 @@ class BlocksAsking {
     find_rows();
     bool any = false;
     for (std::size_t k = 0; k < rings_.size() && !any && !rows_.empty(); ++k) any = !ring(k).empty();
-    if (any) answer_all(clusters, found);
+    if (any) {
+      answer_all(clusters, found);
+    } else {
+      std::fill(found.begin() + first_of[clusters.first], found.begin() + first_of[clusters.end],
+                NearestVoxel{kNoVoxel, 0.0});
+    }
     return block;
   }
 
@@ -82,7 +87,7 @@ class BlocksAsking {
   void find_rows();
   const std::vector<ClusterGroup>& ring(std::size_t k);
   void answer_all(const VoxelClusters::Range& clusters, std::vector<NearestVoxel>& found);
-  void gather(std::uint32_t first, std::uint32_t count);
+  void gather(std::uint32_t first, std::uint32_t count, const std::vector<NearestVoxel>& found);
   void answer(std::uint32_t first, std::vector<NearestVoxel>& found) const;
 
   const NearestVoxelSearch& source_;
@@ -168,7 +173,7 @@ void BlocksAsking::answer_all(const VoxelClusters::Range& clusters, std::vector<
   for (std::uint32_t first = first_of[k]; first < end;) {
     while (first_of[k + 1] - first < kEnoughTogether && k + 1 < clusters.end) ++k;
     const std::uint32_t count = std::min(first_of[k + 1] - first, kMostLanes);
-    gather(first, count);
+    gather(first, count, found);
     float reached_m2 = kNothing_m2;
     for (std::size_t ring_number = 0; ring_number < rings_.size() && asking_.farthest_m2 > reached_m2; ++ring_number) {
       const std::vector<ClusterGroup>& groups = ring(ring_number);
@@ -181,7 +186,7 @@ void BlocksAsking::answer_all(const VoxelClusters::Range& clusters, std::vector<
   }
 }
 
-void BlocksAsking::gather(std::uint32_t first, std::uint32_t count) {
+void BlocksAsking::gather(std::uint32_t first, std::uint32_t count, const std::vector<NearestVoxel>& found) {
   const ClusteredPoints& points = from_.points();
   const std::array<const float*, 3> columns = {points.x.data() + first, points.y.data() + first,
                                                points.z.data() + first};
@@ -196,31 +201,50 @@ void BlocksAsking::gather(std::uint32_t first, std::uint32_t count) {
   }
   for (AskingPoints::Doubles& axis : asking_.at_m) std::fill(axis.begin() + count, axis.end(), axis[count - 1]);
   kernels_.move(T_, asking_);
-  asking_.square_m2.fill(limit_m2_);
-  asking_.farthest_m2 = limit_m2_;
-  asking_.number.fill(ClusteredPoints::kNoNumber);
   asking_.count = count;
+  asking_.farthest_m2 = limit_m2_;
+  asking_.square_m2.fill(limit_m2_);
+  asking_.number.fill(ClusteredPoints::kNoNumber);
+  bool any = false;
+  for (std::uint32_t lane = 0; lane < count; ++lane) {
+    const std::uint32_t voxel = found[first + lane].voxel;
+    if (voxel == kNoVoxel) continue;
+    asking_.number[lane] = static_cast<std::int32_t>(voxel);
+    any = true;
+  }
+  if (any) kernels_.begin(onto_.points(), asking_);
 }
 
 void BlocksAsking::answer(std::uint32_t first, std::vector<NearestVoxel>& found) const {
   for (std::uint32_t lane = 0; lane < asking_.count; ++lane) {
+    NearestVoxel& own = found[first + lane];
+    own = {kNoVoxel, 0.0};
     if (asking_.number[lane] == ClusteredPoints::kNoNumber) continue;
     const auto voxel = static_cast<std::uint32_t>(asking_.number[lane]);
     const Eigen::Vector3d at_m(asking_.at_m[0][lane], asking_.at_m[1][lane], asking_.at_m[2][lane]);
     const double distance_m = (voxel_position_m(target_.map(), voxel, target_.position()) - at_m).norm();
-    if (distance_m > limit_m_) continue;
-    found[first + lane] = {voxel, distance_m};
+    if (distance_m <= limit_m_) own = {voxel, distance_m};
   }
+}
+
+void nearest_of_all_again(const NearestVoxelSearch& source, const NearestVoxelSearch& target,
+                          const Pose3& T_target_source, double limit_m, std::vector<NearestVoxel>& found,
+                          VectorPath path) {
+  KILTER_EXPECTS(limit_m <= target.max_distance_m() * (1.0 + 1e-12));
+  KILTER_EXPECTS(source.position() == target.position());
+  KILTER_EXPECTS(found.size() == source.map().voxels().size());
+  if (target.map().voxels().size() == 0) {
+    std::fill(found.begin(), found.end(), NearestVoxel{kNoVoxel, 0.0});
+    return;
+  }
+  BlocksAsking asking(source, target, T_target_source, limit_m, path);
+  for (std::size_t block = 0; block < source.clusters().blocks().size();) block = asking.ask(block, found);
 }
 
 std::vector<NearestVoxel> nearest_of_all(const NearestVoxelSearch& source, const NearestVoxelSearch& target,
                                          const Pose3& T_target_source, double limit_m, VectorPath path) {
-  KILTER_EXPECTS(limit_m <= target.max_distance_m() * (1.0 + 1e-12));
-  KILTER_EXPECTS(source.position() == target.position());
   std::vector<NearestVoxel> found(source.map().voxels().size(), NearestVoxel{kNoVoxel, 0.0});
-  if (target.map().voxels().size() == 0) return found;
-  BlocksAsking asking(source, target, T_target_source, limit_m, path);
-  for (std::size_t block = 0; block < source.clusters().blocks().size();) block = asking.ask(block, found);
+  nearest_of_all_again(source, target, T_target_source, limit_m, found, path);
   return found;
 }
 

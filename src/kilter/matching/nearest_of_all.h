@@ -18,6 +18,12 @@ namespace kilter {
                                                        const NearestVoxelSearch& target, const Pose3& T_target_source,
                                                        double limit_m, VectorPath path = vector_paths().back());
 
+/// The same at another pose. `found` is what was found at the last one (or kNoVoxel), from which the search sets out,
+/// and what is found now; the answer does not depend on it.
+void nearest_of_all_again(const NearestVoxelSearch& source, const NearestVoxelSearch& target,
+                          const Pose3& T_target_source, double limit_m, std::vector<NearestVoxel>& found,
+                          VectorPath path = vector_paths().back());
+
 /// The same from each of two maps into the other.
 struct NearestBothWays {
   std::vector<NearestVoxel> forward;   ///< by voxel of the source: voxels of the target

@@ -110,13 +110,43 @@ TEST(NearestOfAll, TiesGoToTheLowerVoxel) {
   }
 }
 
+// Whatever the search sets out from: what the last pose found, then any voxels at all.
+TEST(NearestOfAll, IsTheSameWhereverItBegins) {
+  const VoxelMap source = room(1, 0.1, 9000);
+  const VoxelMap target = room(2, 0.1, 7000);
+  Rng rng(3, 0);
+  for (const VoxelPosition position : {VoxelPosition::kCentre, VoxelPosition::kCentroid}) {
+    const NearestVoxelSearch from(source, position, 1.0);
+    const NearestVoxelSearch onto(target, position, 1.0);
+    for (const VectorPath path : vector_paths()) {
+      std::vector<NearestVoxel> found(source.voxels().size(), NearestVoxel{kNoVoxel, 0.0});
+      for (int k = 0; k < 12; ++k) {
+        const Pose3 T = pose({0.1 * k, -0.04 * k, 0.03 * k}, 0.01 * k, {0, 0.2, 1});
+        const double limit_m = k % 3 == 2 ? 0.15 : 1.0;
+        if (k > 8) {
+          for (NearestVoxel& each : found) each.voxel = static_cast<std::uint32_t>(rng.bits() % target.voxels().size());
+        }
+        nearest_of_all_again(from, onto, T, limit_m, found, path);
+        const std::vector<NearestVoxel> expected = nearest_of_all(from, onto, T, limit_m, path);
+        for (std::size_t i = 0; i < found.size(); ++i) {
+          ASSERT_EQ(found[i].voxel, expected[i].voxel) << "voxel " << i << ", pose " << k;
+          ASSERT_EQ(found[i].distance_m, expected[i].distance_m);
+        }
+      }
+    }
+  }
+}
+
 TEST(NearestOfAll, EmptyMapsHaveNothingNear) {
   const VoxelMap full = room(1, 0.1, 500);
   const VoxelMap empty = MapBuilder({.resolution_m = 0.1}).finish();
   const NearestVoxelSearch of_full(full, VoxelPosition::kCentroid, 1.0);
   const NearestVoxelSearch of_empty(empty, VoxelPosition::kCentroid, 1.0);
   EXPECT_TRUE(nearest_of_all(of_empty, of_full, Pose3(), 1.0).empty());
-  for (const NearestVoxel& found : nearest_of_all(of_full, of_empty, Pose3(), 1.0)) EXPECT_EQ(found.voxel, kNoVoxel);
+  std::vector<NearestVoxel> found = nearest_of_all(of_full, of_empty, Pose3(), 1.0);
+  for (const NearestVoxel& each : found) EXPECT_EQ(each.voxel, kNoVoxel);
+  nearest_of_all_again(of_full, of_empty, Pose3(), 1.0, found);
+  for (const NearestVoxel& each : found) EXPECT_EQ(each.voxel, kNoVoxel);
 }
 
 }  // namespace

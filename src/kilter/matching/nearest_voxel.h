@@ -28,7 +28,7 @@ struct NearestVoxel {
   double distance_m = 0.0;
 };
 
-/// Exact closest-voxel search on one map: voxels in clusters of up to 4 x 4 x 4 with tight boxes, the clusters around a
+/// Exact closest-voxel search on one map: voxels in clusters of up to sixteen with tight boxes, the clusters around a
 /// point's block in order of their distance from it, as many at once as the processor has lanes. Immutable after
 /// construction; the map must outlive it. Ties go to the lower voxel number.
 class NearestVoxelSearch {

@@ -65,8 +65,8 @@ static inline std::uint32_t lanes_at_most(const __m256& a, const __m256& b) {
   return static_cast<std::uint32_t>(_mm256_movemask_ps(_mm256_cmp_ps(a, b, _CMP_LE_OQ)));
 }
 static inline float largest(const __m256& lanes) { return largest_of<kLanes>(lanes); }
-static inline void keep_nearer(const __m256& found_m2, const Register<kLanes>::Ints& found, Register<kLanes>::Floats& square_m2,
-                               Register<kLanes>::Ints& number) {
+static inline void keep_nearer(const __m256& found_m2, const Register<kLanes>::Ints& found,
+                               Register<kLanes>::Floats& square_m2, Register<kLanes>::Ints& number) {
   keep_nearer_of<kLanes>(found_m2, found, square_m2, number);
 }
 #include "kilter/matching/many_search.inc"  // NOLINT(readability-duplicate-include): for each
@@ -81,8 +81,8 @@ static inline std::uint32_t lanes_at_most(const __m512& a, const __m512& b) {
   return _mm512_cmp_ps_mask(a, b, _CMP_LE_OQ);
 }
 static inline float largest(const __m512& lanes) { return largest_of<kLanes>(lanes); }
-static inline void keep_nearer(const __m512& found_m2, const Register<kLanes>::Ints& found, Register<kLanes>::Floats& square_m2,
-                               Register<kLanes>::Ints& number) {
+static inline void keep_nearer(const __m512& found_m2, const Register<kLanes>::Ints& found,
+                               Register<kLanes>::Floats& square_m2, Register<kLanes>::Ints& number) {
   const __mmask16 nearer = _mm512_cmp_ps_mask(found_m2, square_m2, _CMP_LT_OQ);
   const __mmask16 as_near = _mm512_cmp_ps_mask(found_m2, square_m2, _CMP_EQ_OQ);
   const __m512i of_lanes = reinterpret_cast<__m512i>(number);

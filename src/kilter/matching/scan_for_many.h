@@ -34,6 +34,9 @@ struct ManySearchKernels {
                float at_most_m2, std::vector<ClusterGroup>& groups);
   /// Brings at_m into another frame, and sets the box and what is rounded.
   void (*move)(const Eigen::Isometry3d& T, AskingPoints& asking);
+  /// Sets square_m2 and farthest_m2 by the points that `number` names; lanes that are farther than farthest_m2 was have
+  /// found nothing.
+  void (*begin)(const ClusteredPoints& points, AskingPoints& asking);
   /// Looks through clusters for a point nearer to each of `asking` than what it has, or as near with a lower number.
   /// The answer for each is that of ScanClusters, to the bit.
   void (*scan)(const ClusteredPoints& points, std::span<const ClusterGroup> groups, AskingPoints& asking);

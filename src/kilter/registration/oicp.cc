@@ -33,11 +33,13 @@ struct PointMatch {
   double weight = 0.0;
 };
 
+// \param nearest  of the last step, and of this one.
 std::vector<PointMatch> match_points(const NearestVoxelSearch& source, const NearestVoxelSearch& target,
-                                     const Pose3& T_target_source, double search_m) {
+                                     const Pose3& T_target_source, double search_m,
+                                     std::vector<NearestVoxel>& nearest) {
   const Eigen::Isometry3d T = T_target_source.isometry();
   const double two_voxels_m = 2.0 * target.map().resolution_m();
-  const std::vector<NearestVoxel> nearest = nearest_of_all(source, target, T_target_source, search_m);
+  nearest_of_all_again(source, target, T_target_source, search_m, nearest);
   std::vector<PointMatch> matches;
   for (std::size_t i = 0; i < nearest.size(); ++i) {
     const auto [voxel, distance_m] = nearest[i];
@@ -129,10 +131,11 @@ RegistrationResult align_oicp(const NearestVoxelSearch& source, const NearestVox
   double search_m = options.search_distance_m;
   Pose3 T = start;
   std::vector<PointMatch> matches;
+  std::vector<NearestVoxel> nearest(source.map().voxels().size(), NearestVoxel{kNoVoxel, 0.0});
   int settled = 0;
   while (settled < kSettledIterations && result.iterations < options.max_iterations) {
     ++result.iterations;
-    matches = match_points(source, target, T, search_m);
+    matches = match_points(source, target, T, search_m, nearest);
     trim(matches, most);
     if (matches.size() < static_cast<std::size_t>(options.min_matches)) return result;
     const Pose3 step = rigid_fit(matches);
