@@ -66,6 +66,18 @@ std::string distances(std::size_t asked, const std::function<void(std::vector<ki
   return fmt::format("{} of {} points, {:.6f} m together", found.size(), asked, sum_m);
 }
 
+// What exact searches search with, of both submaps.
+std::string exact_search_built(VectorPath path) {
+  const kilter::testing::SubmapPair pair = kilter::testing::room_pair();
+  std::size_t clusters = 0;
+  kilter_counted([&] {
+    for (const kilter::Submap* const submap : {&pair.source, &pair.target}) {
+      clusters += NearestVoxelSearch(submap->map, VoxelPosition::kCentroid, kReach_m, path).clusters().boxes().size();
+    }
+  });
+  return fmt::format("{} clusters", clusters);
+}
+
 // One pose, the statistic's search.
 std::string exact_search_of_all(VectorPath path) {
   const Scene scene(path);
@@ -148,9 +160,10 @@ struct Kernel {
   std::string (*run)(VectorPath path);
 };
 constexpr std::array kKernels = {
-    Kernel{"exact-search", exact_search},   Kernel{"exact-search-of-all", exact_search_of_all},
-    Kernel{"field-look-up", field_look_up}, Kernel{"ray-integration", ray_integration},
-    Kernel{"plane-matches", plane_matches}, Kernel{"normal-equations", normal_equations}};
+    Kernel{"exact-search-built", exact_search_built},   Kernel{"exact-search", exact_search},
+    Kernel{"exact-search-of-all", exact_search_of_all}, Kernel{"field-look-up", field_look_up},
+    Kernel{"ray-integration", ray_integration},         Kernel{"plane-matches", plane_matches},
+    Kernel{"normal-equations", normal_equations}};
 
 struct Path {
   std::string_view name;
