@@ -18,6 +18,10 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
+
 #include "apps/kilter/commands.h"
 #include "apps/kilter/exit_status.h"
 #include "apps/kilter/terminal.h"
@@ -161,12 +165,25 @@ void hold_closed_streams() {
   }
 }
 
+// Arrays of some megabytes are made and freed for every pair and submap. glibc hands their pages back each time, until
+// it has seen one as large as these freed, and takes them anew. What --memory puts out goes back all the same
+// (malloc_trim).
+void keep_freed_pages() {
+#ifdef __GLIBC__
+  constexpr int kArraysFromSystem = 32 << 20;
+  constexpr int kMostKept = 64 << 20;
+  mallopt(M_MMAP_THRESHOLD, kArraysFromSystem);
+  mallopt(M_TRIM_THRESHOLD, kMostKept);
+#endif
+}
+
 }  // namespace
 }  // namespace kilter::app
 
 int main(int argc, char** argv) {
   using kilter::ErrorCode;
   kilter::app::hold_closed_streams();
+  kilter::app::keep_freed_pages();
   // A file that may not grow any further and a pipe that nobody reads are errors to tell of, not reasons to die.
   std::signal(SIGXFSZ, SIG_IGN);
   std::signal(SIGPIPE, SIG_IGN);
