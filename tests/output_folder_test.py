@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import re
 import resource
@@ -15,7 +16,7 @@ import unittest
 from pathlib import Path
 
 from check_test import FILES, CheckCase
-from kilter_runner import kilter_binary, main, run_kilter
+from kilter_runner import SOURCE_DIR, kilter_binary, main, run_kilter
 from tiny_mission import bytes_below
 
 
@@ -35,7 +36,7 @@ class OutputFolder(CheckCase):
         self.assertEqual(self.check("--maps").status, 1)
         ours = bytes_below(self.out)
         for name, removed, words in (("result.json", (), "no result of kilter's"),
-                                     ("pairs.csv", ("result.json", "result.kilter"), "no result.json beside it says"),
+                                     ("pairs.csv", ("result.json", "result.kilter", "report.html"), "no result of kilter's beside it"),
                                      ("maps/a.ply", (), "no map of kilter's"), ("maps/global.ot", ("maps/global.ply",), "no map")):
             with self.subTest(name):
                 for gone in removed:
@@ -58,6 +59,93 @@ class OutputFolder(CheckCase):
         (self.out / "map.png").write_bytes(b"")
         self.assertEqual(self.check("--maps").status, 1, "the rest of a result, and an empty file, are not kept")
         self.assertEqual(set(bytes_below(self.out)), set(ours))
+
+    def test_a_result_is_known_for_kilters_by_any_one_of_its_marks(self):
+        self.assertEqual(self.check("--maps").status, 1)
+        ours = bytes_below(self.out)
+        result = json.loads(ours["result.json"])
+        # What a run leaves that is killed between its renames: the first ones. Results that others wrote anew, too.
+        states = {name: {name: ours[name], "map.png": ours["map.png"]} for name in ("result.kilter", "result.json", "report.html")}
+        states["maps, and nothing else"] = {name: content for name, content in ours.items() if name.startswith("maps/")}
+        states["sorted"] = {"map.png": ours["map.png"], "result.json": json.dumps(result, sort_keys=True, indent=1).encode()}
+        states["packed"] = {"map.png": ours["map.png"], "result.json": json.dumps(result, separators=(",", ":")).encode()}
+        states["spaced"] = {"map.png": ours["map.png"], "result.json": ours["result.json"].replace(b":", b" :\t")}
+        for name, state in states.items():
+            with self.subTest(name):
+                shutil.rmtree(self.out)
+                for file, content in state.items():
+                    (self.out / file).parent.mkdir(parents=True, exist_ok=True)
+                    (self.out / file).write_bytes(content)
+                run = self.check("--maps")
+                self.assertEqual(run.status, 1, run.stderr)
+                self.assertEqual(set(bytes_below(self.out)), set(ours))
+
+    def test_a_result_that_lies_elsewhere_is_known_through_its_link(self):
+        self.assertEqual(self.check().status, 1)
+        elsewhere = self.tiny.folder / "elsewhere.json"
+        (self.out / "result.json").rename(elsewhere)
+        (self.out / "result.json").symlink_to(elsewhere)
+        for name in ("result.kilter", "report.html"):
+            (self.out / name).unlink()
+        before = elsewhere.read_bytes()
+        self.assertEqual(self.check().status, 1)
+        self.assertEqual(elsewhere.read_bytes(), before)
+        self.assertFalse((self.out / "result.json").is_symlink())
+
+    def test_what_only_mentions_kilter_is_no_mark_of_its(self):
+        for name, content in (("result.json", '{"input_schema":"kilter.result/1"}'), ("result.json", '{"schema", "kilter.result/1"'),
+                              ("report.html", "<!DOCTYPE html><title>kilter, my notes</title>")):
+            with self.subTest(name):
+                self.out.mkdir()
+                (self.out / name).write_text(content)
+                self.assertEqual(self.check().status, 2)
+                self.assertEqual((self.out / name).read_text(), content)
+                shutil.rmtree(self.out)
+
+    @unittest.skipIf("KILTER_INSTRUMENTED" in os.environ, "sanitizers cannot be traced")
+    def test_a_run_that_is_killed_between_renames_is_known_to_the_next(self):
+        for count in (1, 2, 4, len(FILES) - 1):
+            with self.subTest(renamed=count):
+                # Each file is renamed twice: when it is written to the hidden folder, and out of it.
+                killed = ["strace", "-f", "-o", "/dev/null", "-e", "trace=/rename.*",
+                          "-e", f"inject=/rename.*:signal=KILL:when={len(FILES) + count}"]
+                if not shutil.which("strace") or subprocess.run([*killed, "true"], capture_output=True, check=False).returncode:
+                    self.skipTest("no strace that can be used")
+                shutil.rmtree(self.out, ignore_errors=True)
+                command = [*killed, str(kilter_binary()), "check", str(self.tiny.mission), "-o", str(self.out), *self.settings]
+                subprocess.run(command, capture_output=True, check=False)
+                self.assertFalse((self.out / "result.json").exists())
+                self.assertIn(len([path for path in self.out.iterdir() if path.is_file()]), (count - 1, count))
+                run = self.check()
+                self.assertEqual(run.status, 1, run.stderr)
+                self.assertLessEqual(FILES, set(bytes_below(self.out)))
+
+    @unittest.skipUnless(os.geteuid() == 0, "only root can become another user")
+    def test_a_file_that_cannot_be_read_is_not_called_somebody_elses(self):
+        self.tiny.folder.chmod(0o755)
+        self.out.mkdir()
+        self.out.chmod(0o777)
+        file = self.out / "result.json"
+        file.write_text("{}")
+        file.chmod(0)
+        command = [str(kilter_binary()), "check", str(self.tiny.mission), "-o", str(self.out), *self.settings]
+        try:
+            run = subprocess.run(command, capture_output=True, text=True, check=False, user=65534, group=65534, extra_groups=[])
+        except PermissionError:
+            self.skipTest("another user cannot run the program where it lies")
+        self.assertEqual((run.returncode, run.stdout), (2, ""), run.stderr)
+        self.assertIn(f"usage: {file}: there is a file already, and it cannot be read: Permission denied", run.stderr)
+
+    def test_a_file_that_is_put_there_during_the_work_is_not_replaced(self):
+        with subprocess.Popen([str(kilter_binary()), "check", str(self.tiny.mission), "-o", str(self.out), *self.settings,
+                               "--verbose"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as run:
+            while (line := run.stderr.readline()) and "submaps" not in line:
+                pass
+            self.out.mkdir()
+            (self.out / "pairs.csv").write_text("mine")
+            stdout, stderr = run.communicate()
+        self.assertEqual((run.returncode, stdout), (2, ""), stderr)
+        self.assertEqual(bytes_below(self.out), {"pairs.csv": b"mine"})
 
     def test_a_link_in_the_place_of_the_maps_folder_is_refused(self):
         self.out.mkdir()

@@ -81,7 +81,7 @@ class Report(unittest.TestCase):
 
     def test_a_page_of_somebody_else_stays_and_an_earlier_report_goes(self):
         page = self.tiny.folder / "theirs.html"
-        page.write_text("<!DOCTYPE html><title>my kilter notes</title>")
+        page.write_text("<!DOCTYPE html><title>kilter: my kilter notes</title>")
         run = run_kilter("report", self.out, "-o", page)
         self.assertEqual((run.status, run.stdout), (2, ""), run.stderr)
         self.assertRegex(run.stderr, r"^usage: .*/theirs.html: there is a file already, .*\n  try: name another file")

@@ -287,6 +287,8 @@ int run_check(const CheckCommand& command) {
   for (const std::string& note : notes) {
     if (!command.common.quiet) print_note(note);
   }
+  // Somebody may have put something there since.
+  if (auto fit = check_results_replaceable(command.output_folder, names); !fit) return print_error(fit.error());
   if (auto done = write_output_folder(command.output_folder, files); !done) return refuse_output(done.error());
   if (auto done = present(command, *job, *result, json); !done) return refuse_output(done.error());
   return exit_status(result->system.state, command.fail_on);

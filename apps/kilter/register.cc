@@ -37,7 +37,7 @@ namespace {
 
 constexpr double kDegrees = 180.0 / std::numbers::pi;
 
-constexpr std::string_view kMarkOfAligned = "\ncomment frame target, metres\n";
+constexpr std::array<std::string_view, 1> kMarksOfAligned = {"\ncomment frame target, metres\n"};
 
 struct RegisterCommand {
   CommonOptions common;
@@ -195,7 +195,7 @@ int run_register(const RegisterCommand& command) {
       print_error(fits.error());
       return exit_status_of_output(fits.error().code);
     }
-    if (auto ours = check_replaceable(*command.aligned, kMarkOfAligned); !ours) return print_error(ours.error());
+    if (auto ours = check_replaceable(*command.aligned, kMarksOfAligned); !ours) return print_error(ours.error());
   }
   const Expected<CloudPair> clouds = read_clouds(command);
   if (!clouds) return print_error(clouds.error());

@@ -25,8 +25,6 @@
 namespace kilter::app {
 namespace {
 
-constexpr std::string_view kMarkOfReport = "<title>kilter";
-
 struct ReportCommand {
   CommonOptions common;
   std::string result;
@@ -62,7 +60,7 @@ int run_report(const ReportCommand& command) {
     fits.error().hint = "name another file with -o";
     return refuse_output(fits.error());
   }
-  if (auto ours = check_replaceable(path, kMarkOfReport); !ours) return print_error(ours.error());
+  if (auto ours = check_replaceable(path, kMarksOfReport); !ours) return print_error(ours.error());
   const Expected<std::string> archive = read_archive_bytes(result);
   if (!archive) return print_error(archive.error());
   const std::string html = report_html(*archive);

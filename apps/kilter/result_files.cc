@@ -62,7 +62,9 @@ struct ResultFile {
   std::string (*bytes)(const Parts& parts);
 };
 
+// result.kilter first: who is killed between two renames leaves files that are known for ours.
 constexpr std::array kFiles = {
+    ResultFile{"result.kilter", [](const Parts& p) { return p.archive; }},
     ResultFile{"pairs.csv", [](const Parts& p) { return pairs_csv(p.result); }},
     ResultFile{"gamma.csv", [](const Parts& p) { return matrix_csv(p.result, p.gamma); }},
     ResultFile{"theta.csv", [](const Parts& p) { return matrix_csv(p.result, p.theta); }},
@@ -74,7 +76,6 @@ constexpr std::array kFiles = {
     ResultFile{"map.png", [](const Parts& p) { return map_png(p.result); }},
     ResultFile{"coloured.ply", [](const Parts& p) { return coloured_ply(p.result, p.formats.tolerance_m); }},
     ResultFile{"report.html", [](const Parts& p) { return report_html(p.archive); }},
-    ResultFile{"result.kilter", [](const Parts& p) { return p.archive; }},
     ResultFile{"result.json", [](const Parts& p) { return p.formats.json; }},
 };
 

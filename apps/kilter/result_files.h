@@ -24,7 +24,8 @@ struct ResultFormats {
 /// What result_files may be called, for a look at the folder before any work. \param maps  names of the fused maps
 [[nodiscard]] std::vector<std::filesystem::path> result_file_names(const std::vector<std::string>& maps);
 
-/// All files of the output folder, result.json last: who finds a new one finds the rest new as well.
+/// All files of the output folder: result.kilter before all others that are not in maps/, since it says that they are
+/// ours; result.json last: who finds a new one finds the rest new as well.
 /// \param notes  gets one for each fused map that no octree can hold
 [[nodiscard]] std::vector<OutputFile> result_files(const Result& result, const ResultFormats& formats,
                                                    std::vector<std::string>& notes);
