@@ -3,9 +3,11 @@
 #include "kilter/io/sources/find_robots.h"
 
 #include <fmt/format.h>
+#include <sys/stat.h>
 
 #include <algorithm>
 #include <iterator>
+#include <map>
 #include <optional>
 #include <system_error>
 #include <utility>
@@ -89,27 +91,36 @@ struct Inside {
   std::vector<std::string> links;
 };
 
-// Of names that lead to one folder the robot's is the folder itself, else a link that leads out of the mission.
-int rank_of(const fs::path& entry) {
+// How many links lead on from one to the next until a folder is reached, 0 for a folder.
+int links_to_folder(fs::path path) {
+  constexpr int kMostLinks = 40;  // more the system does not follow either
   std::error_code error;
-  if (!fs::is_symlink(entry, error)) return 0;
-  const fs::path next = entry.parent_path() / fs::read_symlink(entry, error);
-  return fs::equivalent(next.parent_path(), entry.parent_path(), error) ? 2 : 1;
+  int links = 0;
+  for (; links < kMostLinks && fs::is_symlink(path, error); ++links) {
+    path = path.parent_path() / fs::read_symlink(path, error);
+    // "d/" and "d/." would be looked at behind the link d.
+    while (path.has_relative_path() && (!path.has_filename() || path.filename() == ".")) path = path.parent_path();
+  }
+  return links;
 }
 
-// Programs leave a link `latest` beside the folder that it leads to; both would be one robot twice.
-std::vector<Inside> each_once(std::vector<fs::path> entries) {
-  std::stable_sort(entries.begin(), entries.end(),
-                   [](const fs::path& a, const fs::path& b) { return rank_of(a) < rank_of(b); });
+// Programs leave a link `latest` beside the folder that it leads to; both would be one robot twice. Of names that lead
+// to one folder the robot's is the folder itself, else the link that leads there with the fewest others between.
+std::vector<Inside> each_once(const std::vector<fs::path>& entries) {
+  std::vector<std::pair<int, fs::path>> ranked;
+  for (const fs::path& entry : entries) ranked.emplace_back(links_to_folder(entry), entry);
+  std::sort(ranked.begin(), ranked.end());
   std::vector<Inside> robots;
-  for (const fs::path& entry : entries) {
-    std::error_code error;
-    const auto same = std::find_if(robots.begin(), robots.end(),
-                                   [&](const Inside& robot) { return fs::equivalent(robot.path, entry, error); });
-    if (same == robots.end()) {
-      robots.push_back({entry, {}});
+  std::map<std::pair<dev_t, ino_t>, std::size_t> robot_of;
+  for (const auto& [links, entry] : ranked) {
+    struct stat folder {};
+    // One that is gone meanwhile is told of when it is read.
+    const bool known = ::stat(entry.c_str(), &folder) == 0 &&
+                       !robot_of.try_emplace({folder.st_dev, folder.st_ino}, robots.size()).second;
+    if (known) {
+      robots[robot_of.at({folder.st_dev, folder.st_ino})].links.push_back(entry.filename().string());
     } else {
-      same->links.push_back(entry.filename().string());
+      robots.push_back({entry, {}});
     }
   }
   return robots;
@@ -143,7 +154,7 @@ Expected<std::vector<Inside>> robots_inside(const fs::path& folder) {
   for (const fs::path& passed_over : none) {
     if (auto ok = check_holds_no_robot(passed_over); !ok) return refuse_neighbour(ok.error());
   }
-  return each_once(own.empty() ? std::move(other) : std::move(own));
+  return each_once(own.empty() ? other : own);
 }
 
 bool is_mission(const fs::path& path) {

@@ -136,6 +136,34 @@ TEST(FindRobots, TakesAFolderOnceHoweverManyNamesLeadToIt) {
   EXPECT_EQ(opened->notes[2], "robot d: e, b_latest lead to the same folder, and are passed over");
 }
 
+TEST(FindRobots, TakesALinkForOneThatLeadsToAnotherHoweverItIsSpelt) {
+  const TempFolder elsewhere;
+  write_robot(elsewhere, "run");
+  for (const std::string target : {"d", "d/", "./d//", "d/."}) {
+    const TwoRobots mission;
+    const fs::path& folder = mission.folder.path();
+    fs::create_directory_symlink(elsewhere.path() / "run", folder / "d");
+    fs::create_directory_symlink(target, folder / "b_latest");
+    const auto opened = open_source(folder);
+    ASSERT_TRUE(opened) << to_string(opened.error());
+    ASSERT_EQ(opened->notes.size(), 1U);
+    EXPECT_EQ(opened->notes[0], "robot d: b_latest leads to the same folder, and is passed over") << target;
+  }
+}
+
+TEST(FindRobots, PrefersALinkThatLeadsToTheFolderItself) {
+  const TempFolder elsewhere;
+  write_robot(elsewhere, "run");
+  fs::create_directory_symlink("run", elsewhere.path() / "latest");
+  const TwoRobots mission;
+  fs::create_directory_symlink(elsewhere.path() / "latest", mission.folder.path() / "b");
+  fs::create_directory_symlink(elsewhere.path() / "run", mission.folder.path() / "d");
+  const auto opened = open_source(mission.folder.path());
+  ASSERT_TRUE(opened) << to_string(opened.error());
+  ASSERT_EQ(opened->notes.size(), 1U);
+  EXPECT_EQ(opened->notes[0], "robot d: b leads to the same folder, and is passed over");
+}
+
 TEST(FindRobots, LeavesNoRobotOutWhoseNameIsALinkToAHiddenFolder) {
   const TwoRobots mission;
   fs::rename(mission.c, mission.folder.path() / ".c-second-try");
