@@ -119,7 +119,8 @@ class Simulate(unittest.TestCase):
         for name, content, told in (("mission/mine/poses.tum", poses, "mission/mine"), ("mission/e/scans/000000.bin", scan, "mission/e"),
                                     ("mission/a/poses_slam.tum", poses, None), ("mission/a/scans/900000.bin", scan, None),
                                     ("mission/result.json", b"{}", None), ("truth/mine/poses.tum", poses, "truth/mine"),
-                                    ("truth/a/notes.txt", b"mine", None)):
+                                    ("truth/a/notes.txt", b"mine", None),
+                                    ("mission/a/scans/000001.pcd", scan, None)):
             with self.subTest(name):
                 file = made / name
                 alone = not file.parent.exists()
@@ -128,13 +129,27 @@ class Simulate(unittest.TestCase):
                 before = tree_bytes(made)
                 run = run_kilter("simulate", "tunnel", "-o", made, "--replace", *QUICK)
                 self.assertEqual((run.status, run.stdout), (2, ""), run.stderr)
-                self.assertEqual(run.stderr, f"usage: {made / (told or name)}: simulate did not write this; it is left alone\n"
+                self.assertEqual(run.stderr, f"usage: {made / (told or name)}: nothing in truth/ says that simulate wrote this; it is left alone\n"
                                              "  try: move it away, or choose another folder\n")
                 self.assertEqual(tree_bytes(made), before)
                 if alone:
                     shutil.rmtree(made / told)
                 else:
                     file.unlink()
+        for name in ("mission/a/poses.tum", "mission/a/scans/000000.bin", "mission/a/scans", "truth/a/poses.tum", "truth/a", "mission"):
+            for kind in ("folder", "symlink"):
+                with self.subTest(name, kind=kind):
+                    file, kept = made / name, self.folder / "kept"
+                    if kind == "folder" and file.is_dir():
+                        continue
+                    file.rename(kept)
+                    file.mkdir() if kind == "folder" else file.symlink_to(kept)
+                    run = run_kilter("simulate", "tunnel", "-o", made, "--replace", *QUICK)
+                    self.assertEqual((run.status, run.stdout), (2, ""), run.stderr)
+                    what = "this is a symlink, and simulate makes none" if kind == "symlink" else "nothing in truth/ says"
+                    self.assertIn(f"{file}: {what}" if name != "truth/a/poses.tum" or kind == "symlink" else what, run.stderr)
+                    file.rmdir() if kind == "folder" else file.unlink()
+                    kept.rename(file)
         self.simulate("shared", "tunnel", "--replace", "--format", "pcd", *QUICK)
         self.simulate("shared", "office", "--replace", *QUICK)
 

@@ -12,8 +12,8 @@ namespace kilter {
 inline constexpr const char* kFaultsSchema = "kilter.faults/1";
 
 /// Whether a mission may be put into `folder` as `mission/` and `truth/`: neither is there, or, with `replace`, both
-/// hold nothing but what `simulate` writes: robots a to e with as many scans as they have true poses. \return kUsage
-/// with what is in the way, kIo.
+/// hold nothing but what `simulate` writes, by names and types: robots a to e with no more scans than they have true
+/// poses, in one format. \return kUsage with what is in the way, kIo.
 [[nodiscard]] Expected<void> check_room_for_mission(const std::filesystem::path& folder, bool replace);
 
 }  // namespace kilter

@@ -50,8 +50,9 @@ Expected<FaultRequest> parse_fault(const std::string& text) {
   FaultRequest fault{.kind = *kind};
   fault.robot = *kind == FaultKind::kFrameOffset || *kind == FaultKind::kFrameDrift ? 1 : 0;
   if (parts.size() > 1) {
-    if (parts[1].size() != 1 || parts[1][0] < 'a' || parts[1][0] > 'e') return refuse("robots are a to e");
-    fault.robot = parts[1][0] - 'a';
+    const std::size_t robot = kRobotNames.find(parts[1]);
+    if (parts[1].size() != 1 || robot == std::string_view::npos) return refuse("robots are a to e");
+    fault.robot = static_cast<int>(robot);
   }
   if (parts.size() > 2) {
     const std::optional<double> size_m = number(parts[2]);

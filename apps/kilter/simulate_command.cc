@@ -149,7 +149,8 @@ void add_simulate_command(CLI::App& program, int& status) {
   add_word_option<ScanFormat>(*app, "--format", request.writer.format,
                               {{"bin", ScanFormat::kBin}, {"pcd", ScanFormat::kPcd}}, "of the scans")
       ->option_text("bin|pcd (bin)");
-  app->add_flag("--replace", request.writer.replace, "remove an earlier mission in DIR first");
+  app->add_flag("--replace", request.writer.replace,
+                "put the new mission in the place of an earlier one of simulate's in DIR, once it is whole");
   add_common_options(*app, command->common);
   app->footer(scene_list());
   app->callback([command, &status] { status = run_simulate(*command); });

@@ -62,8 +62,9 @@ Expected<Scene> make_scene(std::string_view name, const SceneOptions& options) {
   if (!(options.scale >= 0.5 && options.scale <= 10.0)) {
     return fail(ErrorCode::kInvalidArgument, fmt::format("scale: expected 0.5 to 10, found {}", options.scale));
   }
-  if (options.robots < 1 || options.robots > 5) {
-    return fail(ErrorCode::kInvalidArgument, fmt::format("robots: expected 1 to 5, found {}", options.robots));
+  if (options.robots < 1 || options.robots > std::ssize(kRobotNames)) {
+    return fail(ErrorCode::kInvalidArgument,
+                fmt::format("robots: expected 1 to {}, found {}", kRobotNames.size(), options.robots));
   }
   if (name == "office") return make_office(options);
   if (name == "carpark") return make_carpark(options);

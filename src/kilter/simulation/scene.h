@@ -16,11 +16,14 @@
 
 namespace kilter {
 
+/// The robots that a scene can have, each called by one letter.
+inline constexpr std::string_view kRobotNames = "abcde";
+
 /// What can be chosen about a world before it is built.
 struct SceneOptions {
   std::uint64_t seed = 1;
   double scale = 1.0;  ///< of the world's extent, in [0.5, 10]; furniture keeps its size
-  int robots = 2;      ///< 1 to 5; the paper's scenes always have 2
+  int robots = 2;      ///< 1 to 5, as kRobotNames; the paper's scenes always have 2
 };
 
 /// How one robot drives through the world.
