@@ -71,14 +71,21 @@ class Moves {
     const fs::file_type found = fs::symlink_status(to, error).type();
     if (found == fs::file_type::not_found) return move(from, to);
     if (found == fs::file_type::directory) return std::make_error_code(std::errc::is_a_directory);
+    const Move made = {to, kept, first_missing(kept.parent_path())};
     fs::create_directories(kept.parent_path(), error);
     if (!error) fs::create_hard_link(to, kept, error);
     if (error) {
+      remove_empty_folders(kept.parent_path(), made.first_made);
       error = move(to, kept);
       return error ? error : move(from, to);
     }
     fs::rename(from, to, error);
-    if (!error) moves_.push_back({to, kept, {}});
+    if (error) {
+      ::unlink(kept.c_str());
+      remove_empty_folders(kept.parent_path(), made.first_made);
+    } else {
+      moves_.push_back(made);
+    }
     return error;
   }
 
@@ -163,7 +170,11 @@ Expected<void> StagingFolder::publish(const std::vector<fs::path>& names, const 
   const auto give_up = [&](const std::error_code& error, const std::string& what, const fs::path& name) {
     auto refused = refuse(error, what, folder_ / name);
     if (moves.take_back()) return refused;
-    refused.value().hint = "what was there before is in " + shown(std::exchange(path_, {}) / kEarlier);
+    std::error_code ignored;
+    const bool is_kept = fs::exists(path_ / kEarlier, ignored);
+    refused.value().hint =
+        "some new files have their names and could not be taken back; " +
+        (is_kept ? "what they replaced is in " + shown(std::exchange(path_, {}) / kEarlier) : "they replaced nothing");
     return refused;
   };
   for (const fs::path& name : earlier) {

@@ -35,8 +35,8 @@ class StagingFolder {
 
   /// Gives what waits its final names, in the order given, once `earlier` is moved away. Files and symlinks that stand
   /// there are replaced, folders are not; folders above are made. What was there before goes with the hidden folder.
-  /// \return kIo, kNoSpace; the output folder is as it was then. Should even that be refused, the hidden folder stays,
-  /// and the error says so.
+  /// \return kIo, kNoSpace; the output folder is as it was then. Should even that be refused, the hidden folder stays
+  /// if it holds what was replaced, and the error says so.
   [[nodiscard]] Expected<void> publish(const std::vector<std::filesystem::path>& names,
                                        const std::vector<std::filesystem::path>& earlier = {});
 
