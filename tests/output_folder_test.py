@@ -102,14 +102,15 @@ class OutputFolder(CheckCase):
                 self.assertEqual((self.out / name).read_text(), content)
                 shutil.rmtree(self.out)
 
-    def check_while_renames_fail(self, failure: str, when: str) -> subprocess.CompletedProcess[str]:
+    def check_while_renames_fail(self, failure: str, when: str, *options: str) -> subprocess.CompletedProcess[str]:
         """A run of which certain renames end so. Each file has two: into the hidden folder, and out of it to its name."""
         traced = ["strace", "-f", "-o", "/dev/null", "-e", "trace=/rename.*", "-e", f"inject=/rename.*:{failure}:when={when}"]
         if "KILTER_INSTRUMENTED" in os.environ:
             self.skipTest("sanitizers cannot be traced")
         if not shutil.which("strace") or subprocess.run([*traced, "true"], capture_output=True, check=False).returncode:
             self.skipTest("no strace that can be used")
-        command = [*traced, str(kilter_binary()), "check", str(self.tiny.mission), "-o", str(self.out), *self.settings]
+        command = [*traced, str(kilter_binary()), "check", str(self.tiny.mission), "-o", str(self.out), *self.settings,
+                   *options]
         return subprocess.run(command, capture_output=True, text=True, check=False)
 
     def test_a_run_that_is_killed_between_renames_is_known_to_the_next(self):
@@ -139,17 +140,12 @@ class OutputFolder(CheckCase):
 
     @unittest.skipUnless(os.geteuid() == 0, "only root can become another user")
     def test_a_file_that_cannot_be_read_is_not_called_somebody_elses(self):
-        self.tiny.folder.chmod(0o755)
         self.out.mkdir()
         self.out.chmod(0o777)
         file = self.out / "result.json"
         file.write_text("{}")
         file.chmod(0)
-        command = [str(kilter_binary()), "check", str(self.tiny.mission), "-o", str(self.out), *self.settings]
-        try:
-            run = subprocess.run(command, capture_output=True, text=True, check=False, user=65534, group=65534, extra_groups=[])
-        except PermissionError:
-            self.skipTest("another user cannot run the program where it lies")
+        run = self.as_nobody("check", self.tiny.mission, "-o", self.out, *self.settings)
         self.assertEqual((run.returncode, run.stdout), (2, ""), run.stderr)
         self.assertIn(f"usage: {file}: there is a file already, and it cannot be read: Permission denied", run.stderr)
 
@@ -193,6 +189,7 @@ class OutputFolder(CheckCase):
                              *(("--maps",) if command == "check" else ()))
             self.assertEqual((run.status, run.stdout), (5, ""), run.stderr)
             self.assertRegex(run.stderr, rf"(?m)^io: {re.escape(str(self.out))}/{file}: cannot be written: File name too long$")
+            self.assertIn("\n  try: name another folder with -o, or call the robot otherwise", run.stderr)
             self.assertNotIn("submaps of", run.stderr)
             self.assertFalse(self.out.exists())
 
@@ -278,29 +275,47 @@ class OutputFolder(CheckCase):
         self.on_a_full_disk()
         self.assertFalse(self.out.exists())
 
-    @unittest.skipUnless(os.geteuid() == 0, "only root can give files away")
     def test_a_rename_that_is_refused_half_way_leaves_the_old_result(self):
-        self.check("--maps")
-        self.tiny.folder.chmod(0o755)
-        self.out.chmod(0o1777)  # a file of another user cannot be replaced
-        nobody = {"user": 65534, "group": 65534, "extra_groups": []}
-        command = [str(kilter_binary()), "check", str(self.tiny.mission), "-o", str(self.out), "--set", "tolerance=0.2",
-                   *self.settings]
-        for path in self.out.iterdir():
-            os.chown(path, *((0, 0) if path.name == "map.png" else (65534, 65534)))
+        self.check()
         before = bytes_below(self.out)
+        run = self.check_while_renames_fail("error=EPERM", str(len(FILES) + 5), "--set", "tolerance=0.2")
+        self.assertEqual((run.returncode, run.stdout), (5, ""), run.stderr)
+        self.assertRegex(run.stderr, rf"(?m)^io: {re.escape(str(self.out))}/[a-z.]+: cannot be written: Operation not permitted")
+        self.assertTrue(bytes_below(self.out) == before)
+        self.assertEqual(self.check("--set", "tolerance=0.2").status, 1)
+        self.assertNotEqual(bytes_below(self.out)["pairs.csv"], before["pairs.csv"])
+
+    def as_nobody(self, *arguments: object) -> subprocess.CompletedProcess[str]:
+        """A run of a user who is not root, where the tests run as root."""
+        self.tiny.folder.chmod(0o755)
         try:
-            run = subprocess.run(command, capture_output=True, text=True, check=False, **nobody)
+            return subprocess.run([str(kilter_binary()), *map(str, arguments)], capture_output=True, text=True, check=False,
+                                  user=65534, group=65534, extra_groups=[])
         except PermissionError:
             self.skipTest("another user cannot run the program where it lies")
-        self.assertEqual((run.returncode, run.stdout), (5, ""), run.stderr)
-        self.assertRegex(run.stderr, rf"(?m)^io: {re.escape(str(self.out))}/map.png: cannot be written: Operation not permitted")
-        self.assertTrue(bytes_below(self.out) == before)
-        os.chown(self.out / "map.png", 65534, 65534)
-        self.assertEqual(subprocess.run(command, capture_output=True, check=False, **nobody).returncode, 1)
-        after = bytes_below(self.out)
-        self.assertEqual([set(after), after["maps/a.ply"]], [set(before), before["maps/a.ply"]])
-        self.assertNotEqual(after["pairs.csv"], before["pairs.csv"])
+
+    @unittest.skipUnless(os.geteuid() == 0, "only root can give files away")
+    def test_what_only_another_user_may_replace_is_found_out_before_any_work(self):
+        self.check()
+        self.out.chmod(0o1777)
+        page, cloud = self.out / "report.html", self.out / "cloud.ply"
+        scan = min((self.tiny.mission / "a" / "scans").iterdir())
+        self.assertEqual(run_kilter("register", scan, scan, "-o", cloud).status, 0)
+        for path in self.out.iterdir():
+            os.chown(path, *((0, 0) if path in (page, cloud) else (65534, 65534)))
+        before = bytes_below(self.out)
+        for file, *command in ((page, "check", self.tiny.mission, "-o", self.out, "--verbose"),
+                               (page, "report", self.out, "-o", page), (cloud, "register", scan, scan, "-o", cloud)):
+            run = self.as_nobody(*command)
+            self.assertEqual((run.returncode, run.stdout), (5, ""), run.stderr)
+            self.assertIn(f"io: {file}: this is another user's", run.stderr)
+            self.assertNotIn("submaps", run.stderr)
+            self.assertTrue(bytes_below(self.out) == before)
+            os.chown(file, 65534, 65534)
+            run = self.as_nobody(*command)
+            self.assertIn(run.returncode, (0, 1), run.stderr)
+            before = bytes_below(self.out)
+            os.chown(page, 0, 0)
 
     def stopped_while_writing(self, folder: Path, *arguments: object) -> tuple[int, str, str]:
         """Status and words of a run that is asked to stop while a file is written that will wait for its name in `folder`."""

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include <fmt/format.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "apps/kilter/signals.h"
@@ -22,6 +23,19 @@ tl::unexpected<Error> refuse(const fs::path& path, const std::string& message) {
   return fail(ErrorCode::kIo, message, shown(path), "name another folder with -o");
 }
 
+// In /tmp, say, everybody may write, but nobody may replace what is another's.
+bool is_kept_by_its_owner(const fs::path& file) {
+  struct stat entry {};
+  struct stat folder {};
+  const fs::path parent = file.has_parent_path() ? file.parent_path() : ".";
+  if (::lstat(file.c_str(), &entry) != 0 || ::stat(parent.c_str(), &folder) != 0) return false;
+  const uid_t user = ::geteuid();
+  return (folder.st_mode & S_ISVTX) != 0 && user != 0 && user != entry.st_uid && user != folder.st_uid;
+}
+
+constexpr const char* kKeptByItsOwner =
+    "this is another user's, and the folder's sticky bit lets nobody else replace it";
+
 // A file can get its name where a file or a link stands already; a folder inside `folder` must be one.
 Expected<void> check_name(const fs::path& folder, const fs::path& name) {
   std::error_code error;
@@ -33,8 +47,11 @@ Expected<void> check_name(const fs::path& folder, const fs::path& name) {
       return refuse(inner, "expected a folder to write to, found something else");
     }
   }
-  if (fs::symlink_status(folder / name, error).type() != fs::file_type::directory) return {};
-  return refuse(folder / name, "a folder stands where a file is to be written");
+  if (fs::symlink_status(folder / name, error).type() == fs::file_type::directory) {
+    return refuse(folder / name, "a folder stands where a file is to be written");
+  }
+  if (is_kept_by_its_owner(folder / name)) return refuse(folder / name, kKeptByItsOwner);
+  return {};
 }
 
 }  // namespace
@@ -63,7 +80,9 @@ Expected<void> probe_output_folder(const fs::path& folder, const std::vector<fs:
   for (const fs::path& name : names) {
     Expected<void> fit = made->try_name(name);
     if (fit) continue;
-    fit.error().hint = "name another folder with -o, or call the robot otherwise: NAME=PATH";
+    fit.error().hint = "name another folder with -o";
+    // The folders in it and the maps are called as robots are.
+    if (name.has_parent_path()) fit.error().hint += ", or call the robot otherwise: NAME=PATH";
     return fit;
   }
   return {};
@@ -96,6 +115,7 @@ Expected<void> probe_output_file(const fs::path& file) {
   const fs::file_type found = fs::symlink_status(file, error).type();
   if (found == fs::file_type::none) return refuse_file(file, "cannot be written: " + error.message());
   if (found == fs::file_type::directory) return refuse_file(file, "a folder stands where a file is to be written");
+  if (is_kept_by_its_owner(file)) return refuse_file(file, kKeptByItsOwner);
   if (::access(folder.c_str(), W_OK | X_OK) == 0) return {};
   error = {errno, std::generic_category()};
   return refuse_file(folder, "nothing can be written into it: " + error.message());
