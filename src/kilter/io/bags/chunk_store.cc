@@ -32,7 +32,7 @@ Expected<std::uint32_t> ChunkStore::add(const PackedChunk& chunk) {
   bz2_bytes_ += std::min(chunk.unpacked_bytes, kMaxUnpackedBytes);
   if (bz2_bytes_ <= most) return number;
   return fail(ErrorCode::kUnsupported,
-              fmt::format("up to here bzip2 would unpack {} bytes; of a file of {} at most {} are", bz2_bytes_,
+              fmt::format("up to here bzip2 would unpack {} bytes; of a file of {} at most {} are unpacked", bz2_bytes_,
                           file_.size(), most),
               where_of_chunk(number), kUnpackIt);
 }
@@ -100,8 +100,9 @@ std::shared_ptr<const ByteBuffer> ChunkStore::find_held(std::uint32_t number) co
 
 void ChunkStore::hold(std::uint32_t number, const std::shared_ptr<const ByteBuffer>& bytes) const {
   if (bytes->size() > kMostHeldBytes) return;
-  if (find_held(number)) return;  // another thread was faster
   const std::lock_guard lock(mutex_);
+  const auto is_it = [&](const Held& held) { return held.first == number; };
+  if (std::any_of(held_.begin(), held_.end(), is_it)) return;  // another thread was faster
   held_.emplace_front(number, bytes);
   held_bytes_ += bytes->size();
   for (; held_bytes_ > kMostHeldBytes || held_.size() > kMostHeldChunks; held_.pop_back()) {

@@ -41,7 +41,8 @@ inline constexpr std::uint64_t kMaxUnpackedBytes = std::uint64_t{1} << 30;
 
 /// All that is unpacked of one file, however often, before it is given up: 512 MiB and 4,000 times its size, where
 /// bzip2 counts ten times. Recordings in whatever order come to some dozens; a chunk beyond kMostHeldBytes that holds
-/// thousands of clouds, and would be unpacked for each, does not.
+/// thousands of clouds, and would be unpacked for each, does not. Every time counts, also where two threads unpack one
+/// chunk at once, so that where exactly the bound is met depends on threads; what is far from it is not concerned.
 inline constexpr std::uint64_t kTimesBz2IsSlower = 10;
 [[nodiscard]] constexpr std::uint64_t most_unpacked_again(std::uint64_t file_bytes) {
   return (std::uint64_t{1} << 29) + 4000 * file_bytes;
