@@ -31,7 +31,8 @@ using LendMap = std::function<Expected<void>(SubmapId id, const std::function<vo
 /// \param nodes  in id order.
 /// \param lend   asked twice for each of them, one at a time: no two submaps are needed in memory together.
 /// \return the voxels, or what `lend` failed with.
-/// O(V log V) for V voxels of all submaps; memory: some 200 bytes for each cell that any of them occupies.
+/// O(V log V) for V voxels of all submaps; memory: some 200 bytes for each cell that any of them occupies,
+/// of which the voxels that are returned keep 40.
 [[nodiscard]] Expected<std::vector<FusedVoxel>> fuse_submaps(std::span<const SubmapNode> nodes, const LendMap& lend,
                                                              const OccupancyOptions& options);
 
