@@ -19,7 +19,8 @@ struct OutputFile {
 
 /// Whether files of these names could be written to `folder`, found out before hours of work: it is a folder or can be
 /// made (what is made to find out goes again), it takes names of that length, and no folder has the name of a file, nor
-/// anything else that of a folder inside it. \return kIo, kNoSpace.
+/// anything else that of a folder inside it, nor has what a sticky folder lets only another user replace.
+/// \return kIo, kNoSpace.
 [[nodiscard]] Expected<void> probe_output_folder(const std::filesystem::path& folder,
                                                  const std::vector<std::filesystem::path>& names = {});
 
