@@ -49,7 +49,7 @@ Error too_much_of_a_scan(std::string where) {
   return {
       ErrorCode::kUnsupported,
       fmt::format("expected a cloud that touches at most {:.0f} million cubes of {} voxels across, and it does more",
-                  static_cast<double>(kMostMarkBytes / kBlockVoxels) / 1e6, kBlockSize),
+                  static_cast<double>(kMostMarkBytes) / kBlockVoxels / 1e6, kBlockSize),
       std::move(where), "use a coarser resolution or a smaller max_range, or leave points far from all others out"};
 }
 

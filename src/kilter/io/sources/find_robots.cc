@@ -108,6 +108,7 @@ int links_to_folder(fs::path path) {
 // to one folder the robot's is the folder itself, else the link that leads there with the fewest others between.
 std::vector<Inside> each_once(const std::vector<fs::path>& entries) {
   std::vector<std::pair<int, fs::path>> ranked;
+  ranked.reserve(entries.size());
   for (const fs::path& entry : entries) ranked.emplace_back(links_to_folder(entry), entry);
   std::sort(ranked.begin(), ranked.end());
   std::vector<Inside> robots;
