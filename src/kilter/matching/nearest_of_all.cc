@@ -212,6 +212,7 @@ void BlocksAsking::gather(std::uint32_t first, std::uint32_t count, const std::v
     asking_.number[lane] = static_cast<std::int32_t>(voxel);
     any = true;
   }
+  std::fill(asking_.number.begin() + count, asking_.number.end(), asking_.number[count - 1]);
   if (any) kernels_.begin(onto_.points(), asking_);
 }
 
