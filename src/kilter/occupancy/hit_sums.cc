@@ -131,9 +131,11 @@ SurfaceVoxels HitSums::summarise(std::span<const VoxelBlock> occupied,
   voxels.normals.resize(sums.size());
   voxels.planarity.assign(sums.size(), 0.0F);
   voxels.seen_at.assign(sums.size(), 0);
+  voxels.hits.assign(sums.size(), 1);
   const double last = origins_m.size() > 1 ? static_cast<double>(origins_m.size() - 1) : 1.0;
   for (std::size_t i = 0; i < sums.size(); ++i) {
     if (sums[i].count == 0) continue;
+    voxels.hits[i] = static_cast<std::uint16_t>(std::min<std::uint32_t>(sums[i].count, 0xFFFF));
     voxels.seen_at[i] = static_cast<std::uint8_t>(std::lround(255.0 * sums[i].time / sums[i].count / last));
   }
   for (const VoxelBlock& block : occupied) {

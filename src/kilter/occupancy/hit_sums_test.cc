@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <bit>
 #include <map>
+#include <numeric>
 #include <vector>
 
 #include "kilter/base/rng.h"
@@ -80,8 +81,23 @@ TEST(HitSums, HaveTheSameBitsWhetherHitsAreKeptOrSummed) {
       EXPECT_EQ(summed.centroids_m, kept.centroids_m);
       EXPECT_EQ(summed.normals, kept.normals);
       EXPECT_EQ(summed.seen_at, kept.seen_at);
+      EXPECT_EQ(summed.hits, kept.hits);
     }
   }
+}
+
+TEST(HitSums, CountTheHitsOfEachVoxel) {
+  const Scans scans = scans_of(60, 0.3);
+  std::size_t below = 0;
+  for (const auto& scan : scans.hits) {
+    for (const HitSums::Hit& hit : scan) {
+      below += voxel_at(hit.point_m.cast<double>(), kResolution_m).z() < 0 ? 1 : 0;
+    }
+  }
+  const SurfaceVoxels voxels = sums_of(scans, 1000).summarise(blocks_of(scans, 0), scans.origins_m);
+  ASSERT_EQ(voxels.hits.size(), voxels.size());
+  EXPECT_EQ(std::accumulate(voxels.hits.begin(), voxels.hits.end(), std::size_t{0}), below);
+  EXPECT_GT(*std::min_element(voxels.hits.begin(), voxels.hits.end()), 0);
 }
 
 TEST(HitSums, TakeNoMoreThanTheirVoxelsWhereARobotStandsStill) {

@@ -14,6 +14,8 @@ namespace kilter {
 /// remembered, since neighbours ask one after the other.
 class KeyNumbers {
  public:
+  static constexpr std::uint32_t kNone = 0xFFFFFFFF;
+
   /// The key's number; what size() was, if it is new.
   std::uint32_t find_or_add(std::uint64_t key) {
     if (!keys_.empty() && keys_[last_] == key) return last_;
@@ -24,6 +26,9 @@ class KeyNumbers {
     if (2 * keys_.size() > table_.size()) grow();
     return last_ = static_cast<std::uint32_t>(keys_.size() - 1);
   }
+
+  /// The key's number, or kNone.
+  [[nodiscard]] std::uint32_t find(std::uint64_t key) const { return table_[slot_of(key)] - 1; }
 
   /// By number.
   [[nodiscard]] const std::vector<std::uint64_t>& keys() const { return keys_; }

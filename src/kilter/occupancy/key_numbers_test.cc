@@ -23,7 +23,12 @@ TEST(KeyNumbers, CountKeysInTheOrderInWhichTheyFirstCome) {
   }
   ASSERT_EQ(numbers.size(), expected.size());
   EXPECT_GT(numbers.size(), 5000U);
-  for (const auto& [key, number] : expected) EXPECT_EQ(numbers.keys()[number], key);
+  for (const auto& [key, number] : expected) {
+    EXPECT_EQ(numbers.keys()[number], key);
+    EXPECT_EQ(numbers.find(key), number);
+  }
+  EXPECT_EQ(numbers.find(std::uint64_t{1} << 63), KeyNumbers::kNone);
+  EXPECT_EQ(KeyNumbers().find(0), KeyNumbers::kNone);
 }
 
 }  // namespace

@@ -130,6 +130,7 @@ void expect_same(const VoxelMap& map, const VoxelMap& same) {
   EXPECT_EQ(map.voxels().normals, same.voxels().normals);
   EXPECT_EQ(map.voxels().log_odds, same.voxels().log_odds);
   EXPECT_EQ(map.voxels().seen_at, same.voxels().seen_at);
+  EXPECT_EQ(map.voxels().hits, same.voxels().hits);
   ASSERT_EQ(map.blocks().size(), same.blocks().size());
   for (std::size_t i = 0; i < map.blocks().size(); ++i) EXPECT_EQ(map.blocks()[i].free, same.blocks()[i].free);
 }

@@ -157,6 +157,7 @@ SurfaceVoxels BlockFiller::surface_in_order() {
   voxels.normals.assign(surface_.size(), Eigen::Vector3f::Zero());
   voxels.planarity.assign(surface_.size(), 0.0F);
   voxels.seen_at.assign(surface_.size(), 0);
+  voxels.hits.assign(surface_.size(), 1);
   return voxels;
 }
 

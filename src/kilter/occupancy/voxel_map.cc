@@ -57,8 +57,8 @@ double VoxelMap::probability(std::size_t i) const {
 }
 
 std::size_t VoxelMap::bytes() const {
-  const std::size_t per_voxel =
-      2 * sizeof(Eigen::Vector3f) + 2 * sizeof(float) + sizeof(std::uint8_t) + sizeof(VoxelIndex);
+  const std::size_t per_voxel = 2 * sizeof(Eigen::Vector3f) + 2 * sizeof(float) + sizeof(std::uint8_t) +
+                                sizeof(std::uint16_t) + sizeof(VoxelIndex);
   return blocks_.size() * sizeof(VoxelBlock) + voxels_.size() * per_voxel + index_.bytes();
 }
 

@@ -34,6 +34,7 @@ struct SurfaceVoxels {
   std::vector<float> planarity;              ///< 0 (a blob or no support) .. 1 (a plane)
   std::vector<float> log_odds;               ///< of being occupied
   std::vector<std::uint8_t> seen_at;         ///< mean over the hits of the scan's place in time: 0 first .. 255 last
+  std::vector<std::uint16_t> hits;           ///< how many points lie in the voxel, at most 65,535; 1 where nobody knows
   /// Edge of the cells of which centroids are the mere centres, and so up to half of it off their surface, all voxels
   /// of a wall alike; 0 where they are means of hits. Never less than a voxel, otherwise. [m]
   double cell_m = 0.0;

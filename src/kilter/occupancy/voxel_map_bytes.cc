@@ -48,6 +48,7 @@ void visit_columns(Blocks& blocks, Voxels& voxels, const Visit& visit) {
   visit(voxels.planarity.data(), voxels.planarity.size());
   visit(voxels.log_odds.data(), voxels.log_odds.size());
   visit(voxels.seen_at.data(), voxels.seen_at.size());
+  visit(voxels.hits.data(), voxels.hits.size());
 }
 
 template <typename Blocks, typename Voxels>
@@ -88,6 +89,7 @@ std::optional<VoxelMap> map_of_bytes(std::span<const std::byte> bytes) {
   voxels.planarity.resize(header.voxels);
   voxels.log_odds.resize(header.voxels);
   voxels.seen_at.resize(header.voxels);
+  voxels.hits.resize(header.voxels);
   voxels.cell_m = header.cell_m;
   if (size_of_columns(blocks, voxels) != bytes.size() - sizeof(header)) return std::nullopt;
   const std::byte* at = bytes.data() + sizeof(header);

@@ -27,6 +27,7 @@ TEST(VoxelMapBytes, BringTheSameMapBack) {
   EXPECT_EQ(bytes_of_map(*again), bytes_of_map(map));
   EXPECT_EQ(again->voxels().centroids_m, map.voxels().centroids_m);
   EXPECT_EQ(again->voxels().normals, map.voxels().normals);
+  EXPECT_EQ(again->voxels().hits, map.voxels().hits);
   EXPECT_EQ(again->indices(), map.indices());
   EXPECT_EQ(again->bounds_m().min(), map.bounds_m().min());
   EXPECT_EQ(again->bytes(), map.bytes());

@@ -140,6 +140,7 @@ Bend bend_by_place(std::span<const PlaneResidual> residuals, const PairGrain& gr
   for (const std::span<const PlaneResidual> part : parts) total += static_cast<double>(part.size());
   Bend bend;
   bend.parts = static_cast<int>(parts.size());
+  bend.places = moments_of(places_of(residuals, place_edge_m(grain)));
   double mean_m2 = 0.0;
   for (const std::span<const PlaneResidual> part : parts) {
     const double share = static_cast<double>(part.size()) / total;
@@ -156,21 +157,28 @@ Bend bend_by_place(std::span<const PlaneResidual> residuals, const PairGrain& gr
 }  // namespace
 
 Bend measure_bend(std::span<const PlaneResidual> residuals, const PairGrain& grain, double reach_m,
-                  const Rematch& rematch) {
+                  const PairInMotion& in_motion) {
   const TimesKnown known = times_known(residuals);
-  if (known.source && known.target) return bend_in_time(residuals, grain, reach_m, rematch);
+  if (known.source && known.target) return bend_in_time(residuals, grain, reach_m, in_motion);
   Bend bend = bend_by_place(residuals, grain, reach_m);
   if (!known.source && !known.target) return bend;
-  const Bend in_time = bend_in_time(residuals, grain, reach_m, rematch);
-  return in_time.rms_m > bend.rms_m ? in_time : bend;
+  const Bend in_time = bend_in_time(residuals, grain, reach_m, in_motion);
+  if (in_time.rms_m > bend.rms_m) return in_time;
+  bend.places = in_time.places;
+  return bend;
 }
 
 Bend measure_bend(PlanePair& pair, const Pose3& T_target_source, double reach_m,
                   std::span<const PlaneResidual> residuals) {
   const double near_m = std::min(reach_m, kRematchVoxels * pair.grain.edge_m);
-  return measure_bend(residuals, pair.grain, reach_m, [&](const MotionOfPlace& shift) {
+  PairInMotion in_motion;
+  in_motion.rematch = [&](const MotionOfPlace& shift) {
     return match_planes(pair, T_target_source, near_m, kBendPoints, shift);
-  });
+  };
+  in_motion.find_places = [&](const MotionsInTime& motions) {
+    return common_places(pair.source_map(), pair.target_map(), T_target_source, motions, place_edge_m(pair.grain));
+  };
+  return measure_bend(residuals, pair.grain, reach_m, in_motion);
 }
 
 }  // namespace kilter

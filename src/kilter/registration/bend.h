@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "kilter/matching/pair_grain.h"
+#include "kilter/registration/common_places.h"
 #include "kilter/registration/normal_equations.h"
 #include "kilter/registration/plane_matches.h"
 
@@ -22,7 +23,7 @@ enum class BendKind {
 /// How far parts of an aligned pair still lie apart, because a submap is bent or holds a slip: no rigid motion mends
 /// it.
 struct Bend {
-  double rms_m = 0.0;        ///< RMS of the remaining displacement: by time, over places (place_weights). [m]
+  double rms_m = 0.0;        ///< RMS of the remaining displacement: by time, over places. [m]
   double variance_m4 = 0.0;  ///< of its square
   BendKind kind = BendKind::kSpace;
   int parts = 0;  ///< of the overlap that were looked at on their own
@@ -33,11 +34,19 @@ struct Bend {
   /// Share of its square that rigid submaps would show as well. Of `common`, as much is not believed; rms_m is what is
   /// left after all of it.
   double noise_share = 0.0;
+  /// What both saw, target frame: common_places() where parts are told by time, else where the residuals lie.
+  PlaceMoments places{};
 };
 
-/// The residuals once more, matched where motions in time put the source's places: residuals without the motions, of
-/// the planes that are near with them. On a wall that is the same plane, on a trunk or a pole another.
-using Rematch = std::function<std::vector<PlaneResidual>(const MotionOfPlace&)>;
+/// What can be asked of an aligned pair once motions in time are known. Both may be missing: then residuals stay those
+/// that the aligned pose finds, and places are where these lie.
+struct PairInMotion {
+  /// The residuals once more, matched where motions put the source's places: residuals without the motions, of the
+  /// planes that are near with them. On a wall that is the same plane, on a trunk or a pole another.
+  std::function<std::vector<PlaneResidual>(const MotionOfPlace&)> rematch;
+  /// All places that both saw, by the motions (common_places).
+  std::function<std::vector<CommonPlace>(const MotionsInTime&)> find_places;
+};
 
 /// By when the two submaps saw what they share (bend_in_time), where one of them knows; otherwise, and where only one
 /// does, by place: the overlap is cut into up to eight parts, each of which finds its own small motion by robust least
@@ -50,10 +59,10 @@ using Rematch = std::function<std::vector<PlaneResidual>(const MotionOfPlace&)>;
 ///
 /// \param residuals  all within reach at the aligned pose, with the planarity as weight
 /// \param grain      what its cells hide is no bend
-/// \param rematch    for bends in time; without it, planes stay those that the aligned pose finds
-/// Cost: some twenty passes over the residuals, and two times what it takes to match them.
+/// \param in_motion  for bends in time
+/// Cost: some twenty passes over the residuals, two times what it takes to match them, and common_places().
 [[nodiscard]] Bend measure_bend(std::span<const PlaneResidual> residuals, const PairGrain& grain, double reach_m,
-                                const Rematch& rematch = {});
+                                const PairInMotion& in_motion = {});
 
 /// Voxels of each submap that a bend is asked of.
 inline constexpr std::size_t kBendPoints = 8000;

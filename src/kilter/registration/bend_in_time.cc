@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <numeric>
 #include <vector>
 
 #include "kilter/registration/patches.h"
@@ -17,8 +16,8 @@
 namespace kilter {
 namespace {
 
-constexpr int kBins = 12;  // of the time of each submap
 constexpr std::size_t kFewestResiduals = 300;
+constexpr std::size_t kFewestPlaces = 60;  // to stand for what both saw
 // Scale of the law by which a submap drifts from one bin to the next, as a share of the kernel's: what a wide kernel
 // sees may be a slip.
 constexpr double kStepOfKernel = 0.2;
@@ -42,7 +41,21 @@ struct Cell {
   int target = 0;  // and 6 * target ..
   std::size_t first = 0;
   std::size_t last = 0;
-  Matrix6 form = Matrix6::Zero();  // sum over its places of the square that a motion displaces them by
+};
+
+// What is left of squares once the motion that all have in common is taken out.
+struct SquareAboutMean {
+  Matrix6 form = Matrix6::Zero();
+  Vector6 pull = Vector6::Zero();
+  double square = 0.0;
+
+  void add(const Matrix6& of_place, const Vector6& motion) {
+    form += of_place;
+    pull += of_place * motion;
+    square += motion.dot(of_place * motion);
+  }
+  [[nodiscard]] Vector6 common() const { return form.ldlt().solve(pull); }
+  [[nodiscard]] double left() const { return square - pull.dot(common()); }
 };
 
 // All that one solution of the weighted problem needs and leaves.
@@ -52,23 +65,26 @@ class TimedMotions {
 
   // Goes on with other matches of the same submaps.
   void take(std::span<const PlaneResidual> residuals);
-  // How far the source's places move that it saw at one time and the target at another.
-  [[nodiscard]] Eigen::Vector3d shift_m(const Eigen::Vector3d& at_m, std::uint8_t source_at,
-                                        std::uint8_t target_at) const;
+  [[nodiscard]] MotionsInTime motions() const;
+  // Where the residuals lie.
+  [[nodiscard]] std::vector<CommonPlace> places() const { return places_of(residuals_, place_edge_m(grain_)); }
   // One round at this scale of the kernel.
   void improve(double scale_m);
-  [[nodiscard]] Bend bend() const;
+  // What the motions leave apart of these places.
+  [[nodiscard]] Bend bend(std::span<const CommonPlace> places) const;
 
  private:
-  [[nodiscard]] int source_bin(std::uint8_t at) const { return at * source_bins_ / 256; }
-  [[nodiscard]] int target_bin(std::uint8_t at) const { return at * target_bins_ / 256; }
-  void add_up_places();
-  [[nodiscard]] Vector6 motion_of(const Cell& cell) const {
-    return motions_.segment<6>(6 * cell.source) - motions_.segment<6>(6 * cell.target);
+  // Numbers of the unknown motions, of a bin of time: its own, or the one that a submap has which knows no times.
+  [[nodiscard]] int of_source(std::size_t bin) const { return std::min(static_cast<int>(bin), source_bins_ - 1); }
+  [[nodiscard]] int of_target(std::size_t bin) const {
+    return source_bins_ + std::min(static_cast<int>(bin), target_bins_ - 1);
   }
+  [[nodiscard]] SmallMotion about_origin(int number) const;
+  using NumberOf = int (TimedMotions::*)(std::size_t bin) const;
+  [[nodiscard]] Vector6 motion_of(const ShareOfTime& shares, NumberOf number_of) const;
+  [[nodiscard]] Matrix6 form_of(const CommonPlace& place) const;
   void weigh(double scale_m);
   void add_steps(int first_bin, int bins, double step_m, Eigen::MatrixXd& information) const;
-  [[nodiscard]] double square_about_mean(int first_bin, int bins) const;
 
   PairGrain grain_;
   int source_bins_ = 1;
@@ -80,16 +96,14 @@ class TimedMotions {
   std::vector<std::uint32_t> patch_;
   std::size_t patches_ = 0;
   std::vector<Cell> cells_;
-  Matrix6 form_ = Matrix6::Zero();  // of all cells
-  double places_ = 0.0;
   Eigen::VectorXd motions_;  // of the source's bins, then of the target's; rotations times the radius
   Eigen::LLT<Eigen::MatrixXd> factor_;
 };
 
 TimedMotions::TimedMotions(std::span<const PlaneResidual> residuals, const PairGrain& grain) : grain_(grain) {
   const TimesKnown known = times_known(residuals);
-  if (known.source) source_bins_ = kBins;
-  if (known.target) target_bins_ = kBins;
+  if (known.source) source_bins_ = int{kTimeBins};
+  if (known.target) target_bins_ = int{kTimeBins};
   for (const PlaneResidual& r : residuals) centre_m_ += r.point_m / static_cast<double>(residuals.size());
   radius_m_ = std::sqrt(std::max(scatter_about(residuals, centre_m_).trace(), grain.edge_m * grain.edge_m));
   motions_ = Eigen::VectorXd::Zero(6 * (source_bins_ + target_bins_));
@@ -98,7 +112,8 @@ TimedMotions::TimedMotions(std::span<const PlaneResidual> residuals, const PairG
 
 void TimedMotions::take(std::span<const PlaneResidual> residuals) {
   const auto cell_of = [&](const PlaneResidual& r) {
-    return static_cast<std::size_t>(source_bin(r.source_at) * target_bins_ + target_bin(r.target_at));
+    return static_cast<std::size_t>(of_source(time_bin(r.source_at)) * target_bins_ + of_target(time_bin(r.target_at)) -
+                                    source_bins_);
   };
   cells_.clear();
   std::vector<std::size_t> firsts(static_cast<std::size_t>(source_bins_ * target_bins_) + 1, 0);
@@ -115,27 +130,37 @@ void TimedMotions::take(std::span<const PlaneResidual> residuals) {
   for (const PlaneResidual& r : residuals_) planarity_.push_back(r.weight);
   patch_ = patch_numbers(residuals_, centre_m_, kPatch_m);
   patches_ = patch_.empty() ? 0 : *std::max_element(patch_.begin(), patch_.end()) + std::size_t{1};
-  add_up_places();
 }
 
-void TimedMotions::add_up_places() {
-  const std::vector<double> place = place_weights(residuals_, centre_m_);
-  places_ = std::accumulate(place.begin(), place.end(), 0.0);
-  form_.setZero();
-  for (Cell& cell : cells_) {
-    for (std::size_t i = cell.first; i < cell.last; ++i) {
-      const Eigen::Vector3d arm = (residuals_[i].point_m - centre_m_) / radius_m_;
-      cell.form += place[i] * displacement_form(arm, arm * arm.transpose());
-    }
-    form_ += cell.form;
+SmallMotion TimedMotions::about_origin(int number) const {
+  const Eigen::Vector3d turn_rad = motions_.segment<3>(6 * number + 3) / radius_m_;
+  return {motions_.segment<3>(6 * number) - turn_rad.cross(centre_m_), turn_rad};
+}
+
+MotionsInTime TimedMotions::motions() const {
+  MotionsInTime in_time;
+  for (std::size_t bin = 0; bin < kTimeBins; ++bin) {
+    in_time.source[bin] = about_origin(of_source(bin));
+    in_time.target[bin] = about_origin(of_target(bin));
   }
+  return in_time;
 }
 
-Eigen::Vector3d TimedMotions::shift_m(const Eigen::Vector3d& at_m, std::uint8_t source_at,
-                                      std::uint8_t target_at) const {
-  const Vector6 motion =
-      motions_.segment<6>(6 * source_bin(source_at)) - motions_.segment<6>(6 * (source_bins_ + target_bin(target_at)));
-  return motion.head<3>() + motion.tail<3>().cross(at_m - centre_m_) / radius_m_;
+// What a place moves by, in the mean over when either submap saw it.
+Vector6 TimedMotions::motion_of(const ShareOfTime& shares, NumberOf number_of) const {
+  Vector6 motion = Vector6::Zero();
+  for (std::size_t k = 0; k < kTimeBins; ++k) {
+    motion += double{shares[k]} * motions_.segment<6>(6 * (this->*number_of)(k));
+  }
+  return motion;
+}
+
+// Of the square that a motion displaces it by. A place has an extent, so the form has an inverse even where all of them
+// lie on a line.
+Matrix6 TimedMotions::form_of(const CommonPlace& place) const {
+  const Eigen::Vector3d arm = (place.point_m - centre_m_) / radius_m_;
+  const double extent = std::pow(place_edge_m(grain_) / radius_m_, 2) / 12.0;
+  return displacement_form(arm, arm * arm.transpose() + extent * Eigen::Matrix3d::Identity());
 }
 
 // A residual weighs what its patch knows, divided among all of the patch.
@@ -143,7 +168,7 @@ void TimedMotions::weigh(double scale_m) {
   std::vector<double> weights(patches_, 0.0);
   std::vector<double> squares_m2(patches_, 0.0);
   for (const Cell& cell : cells_) {
-    Vector6 motion = motion_of(cell);
+    Vector6 motion = motions_.segment<6>(6 * cell.source) - motions_.segment<6>(6 * cell.target);
     motion.tail<3>() /= radius_m_;
     for (std::size_t i = cell.first; i < cell.last; ++i) {
       PlaneResidual& r = residuals_[i];
@@ -200,44 +225,44 @@ void TimedMotions::improve(double scale_m) {
   motions_ = factor_.solve(-gradient);
 }
 
-// Mean square over the places by which one submap's own motions displace them, less the part that all have in common.
-double TimedMotions::square_about_mean(int first_bin, int bins) const {
-  Vector6 pull = Vector6::Zero();
-  double square = 0.0;
-  for (const Cell& cell : cells_) {
-    const int bin = cell.source >= first_bin && cell.source < first_bin + bins ? cell.source : cell.target;
-    const Vector6 motion = motions_.segment<6>(6 * bin);
-    pull += cell.form * motion;
-    square += motion.dot(cell.form * motion);
+Bend TimedMotions::bend(std::span<const CommonPlace> places) const {
+  const auto count = static_cast<double>(places.size());
+  SquareAboutMean all;
+  SquareAboutMean by_source;
+  SquareAboutMean by_target;
+  for (const CommonPlace& place : places) {
+    const Matrix6 form = form_of(place);
+    const Vector6 source = motion_of(place.source, &TimedMotions::of_source);
+    const Vector6 target = motion_of(place.target, &TimedMotions::of_target);
+    by_source.add(form, source);
+    by_target.add(form, target);
+    all.add(form, source - target);
   }
-  return square - pull.dot(form_.ldlt().solve(pull));
-}
-
-Bend TimedMotions::bend() const {
-  Vector6 pull = Vector6::Zero();
-  for (const Cell& cell : cells_) pull += cell.form * motion_of(cell);
-  Vector6 common = form_.ldlt().solve(pull);
+  Vector6 common = all.common();
   double square = 0.0;
   Eigen::VectorXd slope = Eigen::VectorXd::Zero(motions_.size());  // of the mean square
-  for (const Cell& cell : cells_) {
-    const Vector6 left = motion_of(cell) - common;
-    const Vector6 of_left = cell.form * left;
-    square += left.dot(of_left) / places_;
-    slope.segment<6>(6 * cell.source) += 2.0 / places_ * of_left;
-    slope.segment<6>(6 * cell.target) -= 2.0 / places_ * of_left;
+  for (const CommonPlace& place : places) {
+    const Vector6 left =
+        motion_of(place.source, &TimedMotions::of_source) - motion_of(place.target, &TimedMotions::of_target) - common;
+    const Vector6 of_left = form_of(place) * left / count;
+    square += left.dot(of_left);
+    for (std::size_t k = 0; k < kTimeBins; ++k) {
+      slope.segment<6>(6 * of_source(k)) += 2.0 * double{place.source[k]} * of_left;
+      slope.segment<6>(6 * of_target(k)) -= 2.0 * double{place.target[k]} * of_left;
+    }
   }
   Bend bend;
   bend.rms_m = std::sqrt(std::max(square, 0.0));
   const double scatter_m2 = 2.0 * kScatter * square;
   bend.variance_m4 = slope.dot(factor_.solve(slope)) + scatter_m2 * scatter_m2;
-  const bool of_source = square_about_mean(0, source_bins_) >= square_about_mean(source_bins_, target_bins_);
-  bend.kind = of_source ? BendKind::kSource : BendKind::kTarget;
+  bend.kind = by_source.left() >= by_target.left() ? BendKind::kSource : BendKind::kTarget;
   bend.parts = static_cast<int>(cells_.size());
   common.tail<3>() /= radius_m_;
   const double noise_m2 = std::pow(kNoiseVoxels * grain_.edge_m, 2) + grain_.variance_m2;
   bend.common = common;
   bend.noise_share = std::min(noise_m2 / std::max(square, noise_m2), 1.0);
   bend.centre_m = centre_m_;
+  bend.places = moments_of(places);
   return bend;
 }
 
@@ -252,21 +277,29 @@ TimesKnown times_known(std::span<const PlaneResidual> residuals) {
 }
 
 Bend bend_in_time(std::span<const PlaneResidual> residuals, const PairGrain& grain, double reach_m,
-                  const Rematch& rematch) {
-  if (residuals.size() < kFewestResiduals) return {};
+                  const PairInMotion& in_motion) {
+  Bend none;
+  none.places = moments_of(places_of(residuals, place_edge_m(grain)));
+  if (residuals.size() < kFewestResiduals) return none;
   TimedMotions motions(residuals, grain);
   int last_rounds = 0;
   for (double scale_m = 0.5 * reach_m; last_rounds < kLastRounds; scale_m = std::max(scale_m * kShrink, grain.edge_m)) {
     last_rounds += scale_m <= grain.edge_m ? 1 : 0;
     motions.improve(scale_m);
   }
-  for (int again = 0; rematch && again < kRematches; ++again) {
-    motions.take(rematch([&](const Eigen::Vector3d& at_m, std::uint8_t source_at, std::uint8_t target_at) {
-      return motions.shift_m(at_m, source_at, target_at);
-    }));
+  for (int again = 0; in_motion.rematch && again < kRematches; ++again) {
+    const MotionsInTime now = motions.motions();
+    const auto shift = [&](const Eigen::Vector3d& at_m, std::uint8_t source_at,
+                           std::uint8_t target_at) -> Eigen::Vector3d {
+      return now.source[time_bin(source_at)].of(at_m) - now.target[time_bin(target_at)].of(at_m);
+    };
+    motions.take(in_motion.rematch(shift));
     for (int round = 0; round < kLastRounds; ++round) motions.improve(grain.edge_m);
   }
-  return motions.bend();
+  std::vector<CommonPlace> places;
+  if (in_motion.find_places) places = in_motion.find_places(motions.motions());
+  if (places.size() < kFewestPlaces) places = motions.places();
+  return motions.bend(places);
 }
 
 }  // namespace kilter

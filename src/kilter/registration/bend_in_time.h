@@ -27,13 +27,15 @@ struct TimesKnown {
 /// slips: a Student law of one degree of freedom, by weights q made anew in each round, its scale a fifth of the
 /// kernel's. So a twelfth that saw nothing but floor lies, along it, where its neighbours do, and what only one of the
 /// two saw is outvoted. Then places are matched anew, twice, where the motions put them: trunks and poles would
-/// otherwise pull towards whichever side of them was near at the aligned pose, and a bend seem smaller than it is.
+/// otherwise pull towards whichever side of them was near at the aligned pose, and a bend seem smaller than it is. What
+/// the motions leave apart is asked of all places that both saw, most of which fix nothing: of what was seen once, far
+/// away or in leaves, hardly any residuals come, and there a turn moves the most.
 ///
 /// \return what is left once the one motion that leaves the least apart is taken out, and that motion. Each place
-/// counts
-///         once (place_weights).
-/// Cost: sixteen passes over the residuals, each with a Cholesky factor of 144 unknowns, and matching them twice.
+///         counts once.
+/// Cost: sixteen passes over the residuals, each with a Cholesky factor of 144 unknowns, matching them twice, and
+/// finding the places.
 [[nodiscard]] Bend bend_in_time(std::span<const PlaneResidual> residuals, const PairGrain& grain, double reach_m,
-                                const Rematch& rematch);
+                                const PairInMotion& in_motion);
 
 }  // namespace kilter

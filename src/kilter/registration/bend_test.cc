@@ -53,9 +53,27 @@ std::vector<PlaneResidual> without_times(std::vector<PlaneResidual> residuals) {
 
 Eigen::Vector2d nowhere(const Eigen::Vector3d&, double, double) { return Eigen::Vector2d::Zero(); }
 
-Bend bend_of(const Displacement& displacement, double noise_m = 0.01) {
-  return measure_bend(hall(displacement, noise_m), kGrain, kReach_m);
+CommonPlace place_at(const Eigen::Vector3d& point_m, std::uint8_t source_at, std::uint8_t target_at) {
+  CommonPlace place{.point_m = point_m};
+  place.source[time_bin(source_at)] = 1.0F;
+  place.target[time_bin(target_at)] = 1.0F;
+  return place;
 }
+
+// Both saw every place once, whenever that was.
+PairInMotion each_a_place(const std::vector<PlaneResidual>& residuals) {
+  std::vector<CommonPlace> places;
+  for (const PlaneResidual& r : residuals) places.push_back(place_at(r.point_m, r.source_at, r.target_at));
+  PairInMotion in_motion;
+  in_motion.find_places = [places](const MotionsInTime&) { return places; };
+  return in_motion;
+}
+
+Bend bend_of(const std::vector<PlaneResidual>& residuals) {
+  return measure_bend(residuals, kGrain, kReach_m, each_a_place(residuals));
+}
+
+Bend bend_of(const Displacement& displacement, double noise_m = 0.01) { return bend_of(hall(displacement, noise_m)); }
 
 Bend bend_by_place(const Displacement& displacement, double noise_m = 0.01) {
   return measure_bend(without_times(hall(displacement, noise_m)), kGrain, kReach_m);
@@ -107,6 +125,75 @@ TEST(MeasureBend, BothDriftSlowlyAndAllOfItIsSeen) {
   EXPECT_LT(std::sqrt(bend.variance_m4), 0.5 * bend.rms_m * bend.rms_m);
 }
 
+// The source slips by half a metre before its last twelfth. A place that it saw all the time is off by a twelfth of
+// that in the mean, however many voxels the last scans drew of it, and one that it saw before not at all.
+TEST(MeasureBend, APlaceThatWasSeenAllTheTimeIsOffByTheMean) {
+  const double slip_m = 0.5;
+  const std::vector<PlaneResidual> residuals = hall(
+      [&](const auto&, double source_at, double) { return Eigen::Vector2d(0.0, source_at < 234.0 ? 0.0 : slip_m); },
+      0.01);
+  PairInMotion in_motion;
+  in_motion.find_places = [&](const MotionsInTime&) {
+    std::vector<CommonPlace> places;
+    for (const PlaneResidual& r : residuals) {
+      CommonPlace& place = places.emplace_back();
+      place.point_m = r.point_m;
+      place.source.fill(1.0F / kTimeBins);
+      place.target.fill(1.0F / kTimeBins);
+      if (places.size() % 2 == 0) continue;
+      place.source.fill(1.0F / (kTimeBins - 1));
+      place.source.back() = 0.0F;
+    }
+    return places;
+  };
+  EXPECT_GT(bend_of(residuals).rms_m, 0.1) << "else this shows nothing";
+  EXPECT_NEAR(measure_bend(residuals, kGrain, kReach_m, in_motion).rms_m, slip_m / kTimeBins / 2.0, 0.002);
+}
+
+// A turn about the line would not move them.
+TEST(MeasureBend, PlacesOnALineLeaveTheCommonMotionFinite) {
+  const std::vector<PlaneResidual> residuals = hall(
+      [](const auto&, double source_at, double) { return Eigen::Vector2d(0.0, source_at < 128.0 ? 0.0 : 0.2); }, 0.01);
+  PairInMotion in_motion;
+  in_motion.find_places = [&](const MotionsInTime&) {
+    std::vector<CommonPlace> places;
+    for (int i = 0; i < 80; ++i) {
+      places.push_back(place_at({0.3 * i, 0.0, 1.0}, static_cast<std::uint8_t>(i % 2 == 0 ? 10 : 200), 0));
+    }
+    return places;
+  };
+  const Bend bend = measure_bend(residuals, kGrain, kReach_m, in_motion);
+  EXPECT_NEAR(bend.rms_m, 0.1, 0.01);
+  EXPECT_LT(bend.common.norm(), 0.2);
+}
+
+// The source turns while it goes. Far away it saw as many places as near by, in leaves that fix nothing and give no
+// residuals: they are off by three times as much, and count.
+TEST(MeasureBend, PlacesThatFixNothingCount) {
+  const double turn_rad = 0.01;  // from first to last
+  const auto turned = [&](const Eigen::Vector3d& at_m, double source_at, double) -> Eigen::Vector2d {
+    return turn_rad * (source_at / 255.0) * Eigen::Vector2d(-at_m.y(), at_m.x());
+  };
+  const std::vector<PlaneResidual> residuals = hall(turned, 0.01);
+  std::vector<CommonPlace> places;
+  double near_m2 = 0.0;
+  double all_m2 = 0.0;
+  for (const PlaneResidual& r : residuals) {
+    const Eigen::Vector3d leaf_m = r.point_m + Eigen::Vector3d(40.0, 0.0, 0.0);
+    places.push_back(place_at(r.point_m, r.source_at, r.target_at));
+    places.push_back(place_at(leaf_m, r.source_at, r.target_at));
+    const double mean = 127.95;  // the pose that leaves the least turns by as much
+    near_m2 += turned(r.point_m, r.source_at - mean, 0.0).squaredNorm() / static_cast<double>(residuals.size());
+    all_m2 += turned(leaf_m, r.source_at - mean, 0.0).squaredNorm() / static_cast<double>(2 * residuals.size());
+  }
+  all_m2 += 0.5 * near_m2;
+  PairInMotion in_motion;
+  in_motion.find_places = [&](const MotionsInTime&) { return places; };
+  EXPECT_NEAR(bend_of(residuals).rms_m, std::sqrt(near_m2), 0.1 * std::sqrt(near_m2));
+  EXPECT_NEAR(measure_bend(residuals, kGrain, kReach_m, in_motion).rms_m, std::sqrt(all_m2), 0.1 * std::sqrt(all_m2));
+  EXPECT_GT(all_m2, 4.0 * near_m2) << "else this shows nothing";
+}
+
 // In the second half of its time the source saw floor only: along it, it lies where it was last known to be.
 TEST(MeasureBend, WhatSawOnlyFloorStaysWithItsNeighbours) {
   std::vector<PlaneResidual> residuals = hall(
@@ -116,7 +203,7 @@ TEST(MeasureBend, WhatSawOnlyFloorStaysWithItsNeighbours) {
   for (const PlaneResidual& r : residuals) {
     share += (r.source_at < 64 ? 1.0 : 0.0) / static_cast<double>(residuals.size());
   }
-  EXPECT_NEAR(measure_bend(residuals, kGrain, kReach_m).rms_m, 0.1 * std::sqrt(share * (1.0 - share)), 0.01);
+  EXPECT_NEAR(bend_of(residuals).rms_m, 0.1 * std::sqrt(share * (1.0 - share)), 0.01);
 }
 
 TEST(MeasureBend, TheOtherWayRoundItIsAsLarge) {
@@ -124,12 +211,12 @@ TEST(MeasureBend, TheOtherWayRoundItIsAsLarge) {
     return Eigen::Vector2d(0.0, source_at < 100.0 ? 0.0 : 0.01 * at_m.x());
   };
   std::vector<PlaneResidual> residuals = hall(displacement, 0.01);
-  const Bend forward = measure_bend(residuals, kGrain, kReach_m);
+  const Bend forward = bend_of(residuals);
   for (PlaneResidual& r : residuals) {
     r.residual_m = -r.residual_m;
     std::swap(r.source_at, r.target_at);
   }
-  const Bend backward = measure_bend(residuals, kGrain, kReach_m);
+  const Bend backward = bend_of(residuals);
   EXPECT_NEAR(forward.rms_m, backward.rms_m, 1e-6);
   EXPECT_NEAR((forward.common + backward.common).norm(), 0.0, 1e-6);
   EXPECT_EQ(forward.kind, BendKind::kSource);
@@ -143,7 +230,7 @@ TEST(MeasureBend, ClutterIsOutvotedInTime) {
   for (PlaneResidual& r : residuals) {
     if (rng.uniform(0.0, 1.0) < 0.33) r.residual_m = rng.uniform(-1.0, 1.0);
   }
-  EXPECT_LT(measure_bend(residuals, kGrain, kReach_m).rms_m, 0.02);
+  EXPECT_LT(bend_of(residuals).rms_m, 0.02);
 }
 
 TEST(MeasureBend, OneThatKnowsNoTimesIsLookedAtByPlaceAsWell) {
@@ -152,7 +239,7 @@ TEST(MeasureBend, OneThatKnowsNoTimesIsLookedAtByPlaceAsWell) {
   };
   std::vector<PlaneResidual> residuals = hall(far_end, 0.01);
   for (PlaneResidual& r : residuals) r.target_at = 0;
-  const Bend bend = measure_bend(residuals, kGrain, kReach_m);
+  const Bend bend = bend_of(residuals);
   EXPECT_NEAR(bend.rms_m, 0.3 * std::sqrt(0.5), 0.03);
   EXPECT_EQ(bend.kind, BendKind::kSpace);
 }
@@ -163,7 +250,7 @@ TEST(MeasureBend, ClutterOfAllSizesSaysNothing) {
   for (PlaneResidual& r : residuals) {
     if (r.point_m.x() > 12.0) r.residual_m = rng.uniform(-1.0, 1.0);
   }
-  EXPECT_LT(measure_bend(residuals, kGrain, kReach_m).rms_m, 0.02);
+  EXPECT_LT(bend_of(residuals).rms_m, 0.02);
 }
 
 // Beyond the middle the two saw different surfaces: some fit where they are, twice as many happen to fit 0.3 m off.
@@ -174,7 +261,7 @@ TEST(MeasureBend, AMotionThatMakesLittleMoreFitIsHalfBelievedAndDoubted) {
     if (r.point_m.x() < 12.0 || r.direction.y() == 0.0) continue;
     r.residual_m = (rng.uniform(0.0, 1.0) < 2.0 / 3.0 ? 0.3 * r.direction.y() : 0.0) + 0.01 * rng.normal();
   }
-  const Bend bend = measure_bend(residuals, kGrain, kReach_m);
+  const Bend bend = bend_of(residuals);
   const double certain_m = 0.3 * std::sqrt(0.5);
   EXPECT_NEAR(bend.rms_m, certain_m * std::sqrt(0.5), 0.05);
   EXPECT_GT(std::sqrt(bend.variance_m4), 0.5 * bend.rms_m * bend.rms_m);
@@ -230,8 +317,17 @@ TEST(MeasureBend, BetweenTrunksPlacesAreMatchedAnewWhereTheMotionsPutThem) {
     return residuals;
   };
   const double true_m = kDrift_m / std::sqrt(12.0);
-  const double once_m = measure_bend(match({}), kGrain, kReach_m).rms_m;
-  const double anew_m = measure_bend(match({}), kGrain, kReach_m, match).rms_m;
+  const double once_m = bend_of(match({})).rms_m;
+  PairInMotion in_motion;
+  in_motion.rematch = match;
+  in_motion.find_places = [&](const MotionsInTime& motions) {
+    return each_a_place(match([&](const Eigen::Vector3d& at_m, std::uint8_t source_at,
+                                  std::uint8_t target_at) -> Eigen::Vector3d {
+             return motions.source[time_bin(source_at)].of(at_m) - motions.target[time_bin(target_at)].of(at_m);
+           }))
+        .find_places(motions);
+  };
+  const double anew_m = measure_bend(match({}), kGrain, kReach_m, in_motion).rms_m;
   EXPECT_LT(once_m, 0.9 * true_m) << "else this shows nothing";
   EXPECT_NEAR(anew_m, true_m, 0.02 * true_m);
 }

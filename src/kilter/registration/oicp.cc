@@ -168,10 +168,10 @@ RegistrationResult align_oicp(const NearestVoxelSearch& source, const NearestVox
   result.residual_rms_m = std::sqrt(3.0 * equations.squares_m2 / equations.weight);
   // Points of two lattices settle within half a voxel of each other.
   result.covariance_measured = patch_covariance(residuals, equations, split, kPatch_m, kPatchVoxels * resolution_m);
-  result.covariance_cells =
-      cell_covariance(residuals, equations, split, grain_of(source.map(), target.map()).variance_m2);
+  const PairGrain grain = grain_of(source.map(), target.map());
+  result.covariance_cells = cell_covariance(residuals, equations, split, grain.variance_m2);
   result.covariance_measured += result.covariance_cells;
-  describe_uncertainty(residuals, equations, split, prior, result);
+  describe_uncertainty(moments_of(places_of(residuals, place_edge_m(grain))), equations, split, prior, result);
   return result;
 }
 

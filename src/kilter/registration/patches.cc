@@ -42,13 +42,9 @@ std::uint64_t patch_key(const Eigen::Vector3i& cell, int facing) {
 // Half away from zero.
 int rounded(double value) { return static_cast<int>(value + (value < 0.0 ? -0.5 : 0.5)); }
 
-std::uint64_t cell_key_of(const PlaneResidual& r, const Eigen::Vector3d& centre_m, double cell_m, int facing) {
-  const Eigen::Vector3d cell = (r.point_m - centre_m) / cell_m;
-  return patch_key({rounded(cell.x()), rounded(cell.y()), rounded(cell.z())}, facing);
-}
-
 std::uint64_t patch_key_of(const PlaneResidual& r, const Eigen::Vector3d& centre_m, double cell_m) {
-  return cell_key_of(r, centre_m, cell_m, facing_of(r.direction));
+  const Eigen::Vector3d cell = (r.point_m - centre_m) / cell_m;
+  return patch_key({rounded(cell.x()), rounded(cell.y()), rounded(cell.z())}, facing_of(r.direction));
 }
 
 // The same residual seen from one of its plane's two sides, whichever of the two it was.
@@ -122,23 +118,6 @@ std::vector<std::uint32_t> patch_numbers(std::span<const PlaneResidual> residual
     of_residuals.push_back(numbers.find_or_add(patch_key_of(r, centre_m, cell_m)));
   }
   return of_residuals;
-}
-
-std::vector<double> place_weights(std::span<const PlaneResidual> residuals, const Eigen::Vector3d& centre_m) {
-  KeyNumbers numbers;
-  std::vector<std::uint32_t> cells;
-  cells.reserve(residuals.size());
-  std::vector<double> counts;
-  for (const PlaneResidual& r : residuals) {
-    const std::uint32_t cell = numbers.find_or_add(cell_key_of(r, centre_m, kPlace_m, 0));
-    if (cell == counts.size()) counts.push_back(0.0);
-    counts[cell] += 1.0;
-    cells.push_back(cell);
-  }
-  std::vector<double> weights;
-  weights.reserve(cells.size());
-  for (const std::uint32_t cell : cells) weights.push_back(1.0 / counts[cell]);
-  return weights;
 }
 
 std::vector<Patch> planes_of(std::span<const PlaneResidual> residuals, const NormalEquations& equations, double shift) {

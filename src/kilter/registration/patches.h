@@ -29,18 +29,9 @@ struct Patch {
 [[nodiscard]] std::vector<Patch> surfaces_of(std::span<const PlaneResidual> residuals, const NormalEquations& equations,
                                              double cell_m);
 
-/// Edge of the cells that disagreements are taken over. [m]
-inline constexpr double kPlace_m = 0.3;
-
 /// The number of each residual's patch, from 0 in the order in which they come; patches as above. O(residuals).
 [[nodiscard]] std::vector<std::uint32_t> patch_numbers(std::span<const PlaneResidual> residuals,
                                                        const Eigen::Vector3d& centre_m, double cell_m);
-
-/// What each residual counts among places: one for each cell of kPlace_m that residuals lie in, shared by all in it. So
-/// dense and sparse surfaces count by their size, as in a disagreement, and not by how near the sensors came.
-/// O(residuals).
-[[nodiscard]] std::vector<double> place_weights(std::span<const PlaneResidual> residuals,
-                                                const Eigen::Vector3d& centre_m);
 
 /// Residuals by plane: by facing, forwards or backwards, since what is matched both ways is off by the same offset, and
 /// by layer of a metre along the mean normal of all that face so. `shift` is in

@@ -76,25 +76,6 @@ TEST(Patches, AreThePointsOfACellThatFaceAlike) {
   EXPECT_EQ(patches_of(residuals, equations, 1000.0).size(), 2U);
 }
 
-TEST(PlaceWeights, CountPlacesAndNotHowDenselyTheyWereSeen) {
-  std::vector<PlaneResidual> residuals;
-  Rng rng(13, 0);
-  for (int i = 0; i < 4000; ++i) {  // a square metre near the sensor, half of all residuals, and a strip of 15 m
-    const bool dense = i % 2 == 0;
-    residuals.push_back({{rng.uniform(0, dense ? 1.2 : 15), rng.uniform(dense ? 3 : 0, dense ? 4.2 : 0.3), 0.0},
-                         Eigen::Vector3d::UnitZ(),
-                         0.01,
-                         1.0});
-  }
-  const std::vector<double> weights = place_weights(residuals, {0.15, 0.15, 0.0});
-  ASSERT_EQ(weights.size(), residuals.size());
-  double dense = 0.0;
-  double strip = 0.0;
-  for (std::size_t i = 0; i < weights.size(); ++i) (i % 2 == 0 ? dense : strip) += weights[i];
-  EXPECT_NEAR(dense, 16.0, 1e-9);
-  EXPECT_NEAR(strip, 50.0, 1e-9);
-}
-
 TEST(Patches, OfPlanesAreLayersOfWhatFacesAlike) {
   std::vector<PlaneResidual> residuals;
   Rng rng(12, 0);

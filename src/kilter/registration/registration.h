@@ -73,8 +73,8 @@ struct RegistrationResult {
   /// scene does not fix hold the prior's variance.
   Matrix6 covariance = Matrix6::Zero();
   Eigen::Vector3d centre_target_m = Eigen::Vector3d::Zero();  ///< middle of the matched voxels, target frame
-  /// Mean of (p - centre) and of (p - centre)(p - centre)^T over the places of the matched voxels (place_weights),
-  /// target axes. [m, m^2]
+  /// Mean of (p - centre) and of (p - centre)(p - centre)^T over the places that both saw (common_places; places_of
+  /// where times are unknown), target axes. [m, m^2]
   Eigen::Vector3d places_arm_m = Eigen::Vector3d::Zero();
   Eigen::Matrix3d scatter_m2 = Eigen::Matrix3d::Zero();
   /// The same uncertainty as (v, w): p -> c + Exp(w) (p - c) + v about the centre, target axes; and the part of it

@@ -4,7 +4,6 @@
 
 #include <Eigen/Cholesky>
 #include <cmath>
-#include <vector>
 
 #include "kilter/registration/patches.h"
 
@@ -26,20 +25,6 @@ constexpr double kBendCell_m = 8.0;
 // covariances say in the median, and by more in the mean.
 constexpr double kBendShare = 0.5;
 constexpr double kBendShareInTime = 0.01;
-
-void note_places(std::span<const PlaneResidual> places, const Eigen::Vector3d& centre_m, RegistrationResult& result) {
-  if (places.empty()) return;
-  const std::vector<double> weights = place_weights(places, centre_m);
-  double sum = 0.0;
-  for (std::size_t i = 0; i < places.size(); ++i) {
-    const Eigen::Vector3d arm_m = places[i].point_m - centre_m;
-    sum += weights[i];
-    result.places_arm_m += weights[i] * arm_m;
-    result.scatter_m2.noalias() += weights[i] * arm_m * arm_m.transpose();
-  }
-  result.places_arm_m /= sum;
-  result.scatter_m2 /= sum;
-}
 
 }  // namespace
 
@@ -63,10 +48,11 @@ Matrix6 plane_covariance(std::span<const PlaneResidual> residuals, const NormalE
          offset_covariance(residuals, equations, split, of_bend) + blur_covariance(equations, split);
 }
 
-void describe_uncertainty(std::span<const PlaneResidual> places, const NormalEquations& equations,
-                          const ObservableSplit& split, const RegistrationPrior& prior, RegistrationResult& result) {
+void describe_uncertainty(const PlaceMoments& places, const NormalEquations& equations, const ObservableSplit& split,
+                          const RegistrationPrior& prior, RegistrationResult& result) {
   result.centre_target_m = equations.centre_m;
-  note_places(places, equations.centre_m, result);
+  if (places.count > 0) result.places_arm_m = places.mean_m - equations.centre_m;
+  result.scatter_m2 = places.scatter_m2 + result.places_arm_m * result.places_arm_m.transpose();
   result.covariance_centre =
       result.covariance_measured + prior_covariance(equations, split, prior.translation_m, prior.rotation_rad);
   result.covariance = covariance_in_source(result.covariance_centre, equations.centre_m, result.T_target_source);

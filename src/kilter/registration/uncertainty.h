@@ -4,6 +4,7 @@
 
 #include <span>
 
+#include "kilter/registration/common_places.h"
 #include "kilter/registration/normal_equations.h"
 #include "kilter/registration/registration.h"
 
@@ -26,8 +27,8 @@ inline constexpr double kPlanePatchVoxels = 0.1;
 
 /// Fills in what a finished registration says about itself: centre and scatter of the places, covariances,
 /// unobservable directions. `result.T_target_source` and `result.covariance_measured` must be set.
-void describe_uncertainty(std::span<const PlaneResidual> places, const NormalEquations& equations,
-                          const ObservableSplit& split, const RegistrationPrior& prior, RegistrationResult& result);
+void describe_uncertainty(const PlaceMoments& places, const NormalEquations& equations, const ObservableSplit& split,
+                          const RegistrationPrior& prior, RegistrationResult& result);
 
 /// The covariance of a registration as a constraint between two submaps that move as one body each, of
 /// T_target_source * Exp(xi), xi = (x y z rx ry rz). Where no rigid motion mends the pair, what its bend leaves apart

@@ -67,7 +67,7 @@ TEST(DescribeUncertainty, NamesTwistsAboutTheMiddleOfThePlaces) {
   }
   const NormalEquations equations = build_normal_equations(silo);
   RegistrationResult result;
-  describe_uncertainty(silo, equations, split_observable(equations, silo), {}, result);
+  describe_uncertainty(moments_of(places_of(silo, kPlace_m)), equations, split_observable(equations, silo), {}, result);
   ASSERT_EQ(result.unobservable.size(), 1U);
   EXPECT_GT(result.places_arm_m.norm(), 0.5);
   const Vector6& twist = result.unobservable[0];

@@ -104,13 +104,14 @@ double weaker(double a, double b) {
 }
 
 // What is reported whatever the verdict.
-void note_offset(const OffsetEstimate& offset, PairVerdict& verdict) {
+void note_offset(const OffsetEstimate& offset, const Bend& bend, PairVerdict& verdict) {
   verdict.offset_m = offset.offset_m;
   verdict.offset_rad = offset.offset_rad;
   verdict.offset_vector_m = offset.vector_m;
   verdict.offset_least_m = std::min(offset_quantile_m(less_noise(offset), 0.975), offset.offset_m);
-  const OffsetEstimate::SquareLaw least = disagreement_law(less_noise(offset), {});
-  const OffsetEstimate::SquareLaw most = disagreement_law(offset.measured, {});
+  const Bend none{.kind = bend.kind};
+  const OffsetEstimate::SquareLaw least = disagreement_law(less_noise(offset), none);
+  const OffsetEstimate::SquareLaw most = disagreement_law(offset.measured, none);
   verdict.offset_interval_m = {std::min(offset_quantile_m(least, 0.975), offset.offset_m),
                                std::max(offset_quantile_m(most, 0.025), offset.offset_m)};
   verdict.minimum_detectable_m = offset.minimum_detectable_m;
@@ -142,7 +143,7 @@ void note_disagreement(const PairEvidence& pair, const OffsetEstimate& offset, c
   set_posterior(log_ratio, options, verdict);
   // Standard deviation of the root of a sum of squares.
   const double along_m4 = std::pow(offset.offset_m * offset.sigma_m, 2) + 0.25 * bend.variance_m4 +
-                          std::pow(kPlacesScatter * apart_m * apart_m, 2);
+                          std::pow(places_scatter(bend) * apart_m * apart_m, 2);
   const double sigma_m = apart_m > 0.0 ? std::sqrt(along_m4) / apart_m : offset.sigma_m;
   const double beyond_noise_m = std::sqrt(std::max(apart_m * apart_m - offset.bias_m2(), 0.0));
   verdict.p_value = std::exp(log_normal_tail((beyond_noise_m - options.tolerance_m) / sigma_m));
@@ -258,7 +259,7 @@ PairVerdict judge_displacement(const PairEvidence& pair, const MapNull& null, co
   }
   verdict.unobservable = pair.registration->unobservable;
   const OffsetEstimate offset = estimate_offset(*pair.registration, pair.T_target_source);
-  note_offset(offset, verdict);
+  note_offset(offset, pair.registration->bend, verdict);
   // Walls that are farther apart than gaps are looked for leave only the floor's, which is not theirs.
   if (offset.vector_m.norm() > ParallelGap::kMost_m) forget_gap(verdict);
   if (!verdict.reason.empty()) return verdict;

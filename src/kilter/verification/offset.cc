@@ -74,9 +74,13 @@ OffsetEstimate estimate_offset(const RegistrationResult& registration, const Pos
   return estimate;
 }
 
+double places_scatter(const Bend& bend) {
+  return bend.kind == BendKind::kSpace ? kMatchedPlacesScatter : kPlacesScatter;
+}
+
 OffsetEstimate::SquareLaw disagreement_law(const OffsetEstimate::SquareLaw& offset, const Bend& bend) {
   const double mean_m2 = offset.mean_m2 + bend.rms_m * bend.rms_m;
-  const double places_m2 = 2.0 * kPlacesScatter * mean_m2;
+  const double places_m2 = 2.0 * places_scatter(bend) * mean_m2;
   return {mean_m2, offset.variance_m4 + bend.variance_m4 + places_m2 * places_m2};
 }
 

@@ -37,11 +37,15 @@ struct OffsetEstimate {
 /// Precondition: the registration converged.
 [[nodiscard]] OffsetEstimate estimate_offset(const RegistrationResult& registration, const Pose3& T_target_source_map);
 
-/// Relative standard deviation between an RMS over the places that were matched and that over all that both submaps
-/// saw, which is what a disagreement is. Seen where the truth is known (`benchmarks/accuracy/run`).
-inline constexpr double kPlacesScatter = 0.05;
+/// Relative standard deviation between an RMS over the places that two maps show and that over all that beams of both
+/// hit, which is what a disagreement is: 1 to 2 % in the middle, with longer tails, seen where the truth is known
+/// (`benchmarks/accuracy/run`).
+inline constexpr double kPlacesScatter = 0.03;
+/// The same where parts of a bend are told by place: places are then where the planes lie that were matched.
+inline constexpr double kMatchedPlacesScatter = 0.05;
+[[nodiscard]] double places_scatter(const Bend& bend);
 
-/// The law of the squared disagreement: what a rigid motion moves, what none mends, and kPlacesScatter.
+/// The law of the squared disagreement: what a rigid motion moves, what none mends, and places_scatter().
 [[nodiscard]] OffsetEstimate::SquareLaw disagreement_law(const OffsetEstimate::SquareLaw& offset, const Bend& bend);
 
 /// ln P(offset > limit) and ln P(offset <= limit) under a law of the squared offset, by the Wilson-Hilferty

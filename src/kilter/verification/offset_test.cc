@@ -124,7 +124,7 @@ TEST(DisagreementLaw, BendsAddTheirSquaresAndTheirDoubt) {
   const Bend bend{.rms_m = 0.3, .variance_m4 = 4e-6};
   const OffsetEstimate::SquareLaw law = disagreement_law(offset, bend);
   EXPECT_NEAR(law.mean_m2, 0.13, 1e-12);
-  EXPECT_NEAR(law.variance_m4, 5e-6 + std::pow(2.0 * kPlacesScatter * 0.13, 2), 1e-12);
+  EXPECT_NEAR(law.variance_m4, 5e-6 + std::pow(2.0 * kMatchedPlacesScatter * 0.13, 2), 1e-12);
   EXPECT_GT(log_tails(law, 0.25).above, log_tails(disagreement_law(offset, {}), 0.25).above);
 }
 

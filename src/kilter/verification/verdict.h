@@ -65,7 +65,7 @@ struct PairVerdict {
   /// RMS over the overlap of everything that lies apart: the offset, and what no rigid motion mends. [m]
   std::optional<double> disagreement_m;
   std::optional<double> disagreement_most_m;  ///< that with 95 %, what is hidden at the prior's width. [m]
-  /// 95 %, over the observable directions and over all places that both saw (kPlacesScatter). [m]
+  /// 95 %, over the observable directions and over all places that both saw (places_scatter). [m]
   std::optional<std::array<double, 2>> offset_interval_m;
   std::optional<double> offset_least_m;            ///< the same at its low end, over the places that were matched. [m]
   std::optional<double> offset_rad;                ///< rotation part
