@@ -91,13 +91,20 @@ TEST(HitSums, CountTheHitsOfEachVoxel) {
   std::size_t below = 0;
   for (const auto& scan : scans.hits) {
     for (const HitSums::Hit& hit : scan) {
-      below += voxel_at(hit.point_m.cast<double>(), kResolution_m).z() < 0 ? 1 : 0;
+      below += voxel_at(hit.point_m.cast<double>(), kResolution_m).z() < 2 ? 1 : 0;
     }
   }
-  const SurfaceVoxels voxels = sums_of(scans, 1000).summarise(blocks_of(scans, 0), scans.origins_m);
-  ASSERT_EQ(voxels.hits.size(), voxels.size());
+  const SurfaceVoxels voxels = sums_of(scans, 1000).summarise(blocks_of(scans, 2), scans.origins_m);
+  ASSERT_EQ(voxels.hits.size(), 72U);
   EXPECT_EQ(std::accumulate(voxels.hits.begin(), voxels.hits.end(), std::size_t{0}), below);
-  EXPECT_GT(*std::min_element(voxels.hits.begin(), voxels.hits.end()), 0);
+}
+
+TEST(HitSums, CountNoMoreThanACounterHolds) {
+  Scans scans = scans_of(1, 0.05);
+  scans.hits[0].assign(70'000, HitSums::Hit{{0.01F, 0.01F, 0.01F}, 0});
+  const SurfaceVoxels voxels = sums_of(scans, 1'000'000).summarise(blocks_of(scans, 1), scans.origins_m);
+  ASSERT_EQ(voxels.size(), 1U);
+  EXPECT_EQ(voxels.hits[0], 65'535);
 }
 
 TEST(HitSums, TakeNoMoreThanTheirVoxelsWhereARobotStandsStill) {

@@ -44,6 +44,7 @@ TEST(OccupancyCells, AreVoxelsAtEqualResolution) {
   EXPECT_EQ(map.state({1, 2, 3}), CellState::kUnknown);
   const auto voxel = static_cast<std::size_t>(map.find_voxel({-1, 2, 3}));
   EXPECT_EQ(map.voxels().log_odds[voxel], kSurface);
+  EXPECT_EQ(map.voxels().hits, std::vector<std::uint16_t>({1, 1})) << "nobody knows";
   EXPECT_TRUE(map.voxels().centroids_m[voxel].isApprox(Eigen::Vector3f(-0.05F, 0.25F, 0.35F)));
   EXPECT_TRUE(map.has_free_space());
 }

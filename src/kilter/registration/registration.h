@@ -85,7 +85,7 @@ struct RegistrationResult {
   Matrix6 covariance_cells = Matrix6::Zero();
   /// Unit twists about `centre_target_m` along the target's axes that the scene does not fix.
   std::vector<Vector6> unobservable;
-  Bend bend;  ///< what still lies apart at the end, of places at most search_distance_m from each other
+  Bend bend;  ///< what still lies apart at the end, as far as planes at most search_distance_m from each other tell
   /// Not found from the map's pose but by the wide search, or where another pair's correction would put it.
   bool searched = false;
   /// Voxels that a plane supports where the search ended, before it settles, less what free-space conflict costs: what

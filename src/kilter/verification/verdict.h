@@ -67,7 +67,7 @@ struct PairVerdict {
   std::optional<double> disagreement_most_m;  ///< that with 95 %, what is hidden at the prior's width. [m]
   /// 95 %, over the observable directions and over all places that both saw (places_scatter). [m]
   std::optional<std::array<double, 2>> offset_interval_m;
-  std::optional<double> offset_least_m;            ///< the same at its low end, over the places that were matched. [m]
+  std::optional<double> offset_least_m;            ///< the same at its low end, over the places that maps show. [m]
   std::optional<double> offset_rad;                ///< rotation part
   std::optional<Eigen::Vector3d> offset_vector_m;  ///< registered minus map at the overlap's centre, target axes
   std::optional<double> gap_m;                     ///< double-wall gap
