@@ -34,7 +34,7 @@ struct Bend {
   /// Share of its square that rigid submaps would show as well. Of `common`, as much is not believed; rms_m is what is
   /// left after all of it.
   double noise_share = 0.0;
-  /// What both saw, target frame: common_places() where parts are told by time, else where the residuals lie.
+  /// What both saw, target frame: common_places() where one of the two knows times, else where residuals lie.
   PlaceMoments places{};
 };
 

@@ -278,9 +278,7 @@ TimesKnown times_known(std::span<const PlaneResidual> residuals) {
 
 Bend bend_in_time(std::span<const PlaneResidual> residuals, const PairGrain& grain, double reach_m,
                   const PairInMotion& in_motion) {
-  Bend none;
-  none.places = moments_of(places_of(residuals, place_edge_m(grain)));
-  if (residuals.size() < kFewestResiduals) return none;
+  if (residuals.size() < kFewestResiduals) return {.places = moments_of(places_of(residuals, place_edge_m(grain)))};
   TimedMotions motions(residuals, grain);
   int last_rounds = 0;
   for (double scale_m = 0.5 * reach_m; last_rounds < kLastRounds; scale_m = std::max(scale_m * kShrink, grain.edge_m)) {

@@ -157,8 +157,8 @@ RegistrationResult settled_result(PlanePair& pair, const Pose3& start, Descent d
     return result;
   }
   count_support(pair, start, descent.T, final_search_m(pair.grain, options), look.residuals, result);
-  const std::vector<PlaneResidual> places = match_planes(pair, descent.T, options.search_distance_m, kBendPoints);
-  result.bend = measure_bend(pair, descent.T, options.search_distance_m, places);
+  const std::vector<PlaneResidual> planes = match_planes(pair, descent.T, options.search_distance_m, kBendPoints);
+  result.bend = measure_bend(pair, descent.T, options.search_distance_m, planes);
   result.T_target_source_closest = descent.T;
   const Vector6 motion = to_least_apart(result.bend, look);
   result.T_target_source = motion_about(look.equations.centre_m, (1.0 - result.bend.noise_share) * motion) * descent.T;
