@@ -23,7 +23,8 @@ import labels
 
 WORLDS = ("office", "carpark", "warehouse", "tunnel", "tunnel-niches", "clean-office", "clean-carpark")
 OF_POINTS = ("office", "carpark", "warehouse", "clean-office", "clean-carpark")
-SEALED = ("stairs", "forest")  # never looked at while anything is designed: for calibration only
+SEALED = ("stairs", "forest")  # for calibration only, until somebody looks
+UNSEEN = ("village", "factory")  # made last, for the same
 # Length [m] and angle [rad] of the errors that CorAl and FACT inject.
 SIZES = ((0.05, 0.005), (0.1, 0.01), (0.2, 0.03), (0.3, 0.03))
 # How an injected error lies in the slipping robot's own frame (x ahead, y left, z up).

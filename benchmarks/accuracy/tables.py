@@ -334,6 +334,7 @@ def drift(answers):
 def sealed(answers):
     configurations(answers)
     verdict_table(answers)
+    constraint_table(answers)
     wrong_place_table(answers)
     area_table(answers)
     for name, some in (*by_group(answers).items(), ("all", answers)):

@@ -12,7 +12,7 @@
 namespace kilter {
 namespace {
 
-constexpr std::array<SceneInfo, 11> kScenes = {{
+constexpr std::array<SceneInfo, 13> kScenes = {{
     {"office", "rooms and corridors in rings; a slip, a frame that is off and a missed closure"},
     {"carpark", "open ground, parked and moving cars, trees, facades, poles"},
     {"warehouse", "shelves that look alike; one aisle is taken for another"},
@@ -20,6 +20,8 @@ constexpr std::array<SceneInfo, 11> kScenes = {{
     {"tunnel-niches", "the same with a few niches"},
     {"stairs", "two storeys above each other: overlap in plan, none in space"},
     {"forest", "trunks, leaves and uneven ground"},
+    {"village", "houses with gabled roofs, hedges and fences, parked cars; a slip, and a robot that drifts off"},
+    {"factory", "machines, tanks, columns and pipes; a missed closure and a slip"},
     {"clean-office", "the office as a good SLAM leaves it: residuals of a few centimetres, no fault"},
     {"clean-carpark", "the car park likewise"},
     {"paper-indoor", "the seed paper's building: robot a closes its loop, robot b does not"},
@@ -73,6 +75,8 @@ Expected<Scene> make_scene(std::string_view name, const SceneOptions& options) {
   if (name == "tunnel-niches") return make_tunnel(options, true);
   if (name == "stairs") return make_stairs(options);
   if (name == "forest") return make_forest(options);
+  if (name == "village") return make_village(options);
+  if (name == "factory") return make_factory(options);
   if (name == "clean-office") return clean(make_office(options), kOfficeWall_m);
   if (name == "clean-carpark") return clean(make_carpark(options), kCarparkWall_m);
   if (name == "paper-indoor") return make_paper_indoor(options);

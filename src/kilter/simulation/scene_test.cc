@@ -94,7 +94,8 @@ INSTANTIATE_TEST_SUITE_P(Catalog, EveryScene, testing::ValuesIn(scene_names()), 
 });
 
 TEST(Scene, TakesFiveRobotsAndGrowsWithScale) {
-  for (const std::string name : {"office", "carpark", "warehouse", "tunnel", "stairs", "forest"}) {
+  for (const std::string name :
+       {"office", "carpark", "warehouse", "tunnel", "stairs", "forest", "village", "factory"}) {
     EXPECT_EQ(mission_of(name, {.robots = 5}).robots().size(), 5U) << name;
     EXPECT_EQ(mission_of(name, {.robots = 1}).robots().size(), 1U) << name;
     const auto length_m = [&](double scale) {
@@ -106,7 +107,7 @@ TEST(Scene, TakesFiveRobotsAndGrowsWithScale) {
 }
 
 TEST(Scene, HasRoomForItsOwnFaultsAtEveryScale) {
-  for (const std::string name : {"office", "carpark", "warehouse", "forest"}) {
+  for (const std::string name : {"office", "carpark", "warehouse", "forest", "village", "factory"}) {
     for (const double scale : {0.5, 1.25, 2.0, 4.0}) {
       for (const std::uint64_t seed : {1, 3}) {
         const SceneOptions options{.seed = seed, .scale = scale, .robots = seed == 3 ? 5 : 2};

@@ -15,6 +15,8 @@ namespace kilter {
 [[nodiscard]] Scene make_tunnel(const SceneOptions& options, bool niches);
 [[nodiscard]] Scene make_stairs(const SceneOptions& options);
 [[nodiscard]] Scene make_forest(const SceneOptions& options);
+[[nodiscard]] Scene make_village(const SceneOptions& options);
+[[nodiscard]] Scene make_factory(const SceneOptions& options);
 [[nodiscard]] Scene make_paper_indoor(const SceneOptions& options);
 [[nodiscard]] Scene make_paper_outdoor(const SceneOptions& options);
 
