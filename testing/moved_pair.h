@@ -37,7 +37,7 @@ inline PairEvidence pair_moved(double offset_m, double sigma_m, PairKind kind = 
 
 /// A map of two robots whose good pairs are like this.
 inline const std::vector<std::string> kRobots = {"a", "b"};
-inline const MapNull kNull = {2.0, 0.1, 2.0, 0.1, 0.02, 0.01, 10};
+inline const MapNull kNull = {2.0, 0.1, 2.0, 0.1, 0.02, 0.01, 10, 10};
 
 /// In that map.
 inline JudgedPair judged(const PairEvidence& pair, const JudgeOptions& options = {}) {

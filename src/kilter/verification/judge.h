@@ -82,7 +82,8 @@ struct MapNull {
   /// Lower quartile, over all pairs, of the share that conflicts once registered; 0.03 at most where they are few.
   double conflict = 0.0;
   double conflict_spread = 0.0;
-  std::size_t pairs = 0;  ///< how many stand behind log10_gamma
+  std::size_t pairs = 0;            ///< how many stand behind log10_gamma
+  std::size_t pairs_with_free = 0;  ///< and behind conflict
 };
 
 [[nodiscard]] MapNull estimate_null(std::span<const PairEvidence> pairs);

@@ -4,6 +4,7 @@
 
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "kilter/verification/judge.h"
 #include "kilter/verification/judge_notes.h"
@@ -58,6 +59,12 @@ PairVerdict judge_pair_by_gamma(const PairEvidence& pair, const MapNull& null) {
     verdict.reason = fmt::format("{}, registered {}: verified", test, reached);
   } else {
     verdict.reason = fmt::format("{}, but registration does not verify it: it reaches {}", test, reached);
+  }
+  if (verdict.verdict == Verdict::kUnverified) return verdict;
+  if (std::string against = doubt_of_rivals(pair); !against.empty()) {
+    verdict.without_registration = std::move(against);
+  } else if (verdict.verdict == Verdict::kConsistent && offset.offset_m > pair.grain.edge_m) {
+    verdict.without_registration = "Gamma is of the map's pose, and registration left it";
   }
   return verdict;
 }

@@ -46,6 +46,48 @@ TEST(JudgePairByGamma, DecidesNothingWhereRegistrationFailed) {
   }
 }
 
+// Gamma speaks of the map's pose: what a registration found elsewhere, or may have mistaken, is not handed on with it.
+TEST(JudgePairByGamma, HandsOnNoRegistrationThatItSaysNothingOf) {
+  const auto judged = [](double gamma, double offset_m, const auto& change) {
+    PairEvidence pair = pair_moved(offset_m, 0.01);
+    pair.map.score.emplace().log10_gamma = gamma;
+    pair.registered->score.emplace().log10_gamma = 2.1;
+    change(pair);
+    return judge_pair_by_gamma(pair, kNull);
+  };
+  const auto nothing = [](PairEvidence&) {};
+  EXPECT_FALSE(judged(2.0, 0.02, nothing).without_registration);
+  EXPECT_FALSE(judged(1.2, 0.5, nothing).without_registration);
+  const PairVerdict elsewhere = judged(2.0, 4.0, nothing);
+  EXPECT_EQ(elsewhere.verdict, Verdict::kConsistent);
+  EXPECT_TRUE(elsewhere.without_registration);
+  const auto ambiguous = [](PairEvidence& pair) {
+    pair.registration->searched = true;
+    pair.registration->ambiguity = 0.95;
+  };
+  const PairVerdict rival = judged(1.2, 0.5, ambiguous);
+  EXPECT_EQ(rival.verdict, Verdict::kInconsistent);
+  EXPECT_TRUE(rival.without_registration);
+  const auto contradicted = [](PairEvidence& pair) {
+    pair.registration->searched = true;
+    pair.agreement.contradicting = 5;
+    pair.agreement.contradicting_weight = 5.0;
+  };
+  EXPECT_TRUE(judged(2.0, 0.02, contradicted).without_registration);
+}
+
+TEST(EstimateNull, OfNothingIsNotHeldAgainstAnything) {
+  PairEvidence failed = pair_moved(0.0, 0.01);
+  failed.map.score.emplace().log10_gamma = 2.3;
+  failed.registration->stop = StopReason::kTooFewMatches;
+  failed.registered.reset();
+  const PairVerdict verdict = judge_pair(failed, estimate_null(std::vector{failed}), {});
+  EXPECT_EQ(verdict.evidence.at("log10_gamma").value, 2.3);
+  EXPECT_FALSE(verdict.evidence.at("log10_gamma").null) << "0 is a value";
+  ASSERT_TRUE(verdict.evidence.at("conflict").value);
+  EXPECT_FALSE(verdict.evidence.at("conflict").null);
+}
+
 TEST(EstimateNull, SurvivesAFifthOfBadSequentialPairs) {
   std::vector<PairEvidence> pairs;
   for (int i = 0; i < 20; ++i) {

@@ -100,8 +100,9 @@ struct Share {
     overlapping += 1;
     decided += pair.verdict.verdict == Verdict::kUnverified ? 0 : 1;
   }
-  [[nodiscard]] double value() const {
-    return overlapping == 0 ? 0.0 : static_cast<double>(decided) / static_cast<double>(overlapping);
+  [[nodiscard]] std::optional<double> value() const {
+    if (overlapping == 0) return std::nullopt;
+    return static_cast<double>(decided) / static_cast<double>(overlapping);
   }
 };
 
@@ -119,8 +120,8 @@ DecidedShares decided_shares(const std::vector<JudgedPair>& pairs, std::span<con
     if (pair.kind == PairKind::kGlobal) global[robots_key(pair, robots)].add(pair);
   }
   DecidedShares shares;
-  if (sequential.overlapping > 0) shares.sequential = sequential.value();
-  if (local.overlapping > 0) shares.local = local.value();
+  shares.sequential = sequential.value();
+  shares.local = local.value();
   for (const auto& [key, share] : global) shares.global[key] = share.value();
   return shares;
 }
@@ -134,7 +135,7 @@ std::string undecided(const DecidedShares& shares, const std::vector<JudgedPair>
   const auto too_few = [&](double share) { return share < options.min_decided; };
   for (const auto& of_robots : shares.global) {
     const std::string& key = of_robots.first;  // clang 14 lets no lambda capture a structured binding
-    const double share = of_robots.second;
+    const double share = of_robots.second.value_or(0.0);
     if (!too_few(share)) continue;
     std::size_t listed = 0;
     std::size_t counted = 0;
@@ -162,9 +163,30 @@ std::string undecided(const DecidedShares& shares, const std::vector<JudgedPair>
   return {};
 }
 
-// Upper 95 % bounds of all decided pairs; the others that overlap are named as excluded, and those that are decided
-// without a registration: they are bounded from below only.
-void certify(const std::vector<JudgedPair>& pairs, MapVerdict& map) {
+// Whether decided pairs lead from every robot to every other: where they do not, robots may lie anywhere.
+bool robots_are_tied(const std::vector<JudgedPair>& pairs, std::size_t robots) {
+  std::vector<std::size_t> tied_to(robots);
+  std::iota(tied_to.begin(), tied_to.end(), std::size_t{0});
+  const auto root = [&](int robot) {
+    auto at = static_cast<std::size_t>(robot);
+    while (tied_to[at] != at) at = tied_to[at] = tied_to[tied_to[at]];
+    return at;
+  };
+  std::size_t parts = robots;
+  for (const JudgedPair& pair : pairs) {
+    if (pair.verdict.verdict == Verdict::kUnverified) continue;
+    const std::size_t source = root(pair.source_robot);
+    const std::size_t target = root(pair.target_robot);
+    if (source == target) continue;
+    tied_to[source] = target;
+    --parts;
+  }
+  return parts <= 1;
+}
+
+// Upper 95 % bounds of all decided pairs, where they tie the map together; the others that overlap are named as
+// excluded, and those that are decided without a registration: they are bounded from below only.
+void certify(const std::vector<JudgedPair>& pairs, std::size_t robots, MapVerdict& map) {
   for (const JudgedPair& pair : pairs) {
     if (pair.verdict.verdict == Verdict::kUnverified) {
       if (pair.overlaps) map.certificate_excludes.push_back(pair.id);
@@ -177,6 +199,7 @@ void certify(const std::vector<JudgedPair>& pairs, MapVerdict& map) {
     }
     map.certificate_m = std::max(map.certificate_m.value_or(0.0), *pair.verdict.disagreement_most_m);
   }
+  if (!robots_are_tied(pairs, robots)) map.certificate_m.reset();
 }
 
 }  // namespace
@@ -191,7 +214,7 @@ MapVerdict judge_map(std::vector<JudgedPair>& pairs, std::span<const std::string
     map.inconsistent += pair.verdict.verdict == Verdict::kInconsistent ? 1 : 0;
     map.unverified += pair.verdict.verdict == Verdict::kUnverified ? 1 : 0;
   }
-  certify(pairs, map);
+  certify(pairs, robots.size(), map);
   const std::string missing = undecided(map.decided, pairs, robots, options);
   if (map.inconsistent > 0) {
     map.state = MapState::kInconsistent;

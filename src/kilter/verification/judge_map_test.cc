@@ -39,9 +39,21 @@ TEST(JudgeMap, RobotsThatNeverMeetLeaveItUndetermined) {
   const MapVerdict map = judge_map(pairs, kRobots, {});
   EXPECT_EQ(map.state, MapState::kUndetermined);
   EXPECT_NE(map.reason.find("a and b never meet"), std::string::npos);
-  EXPECT_EQ(map.decided.global.at("a,b"), 0.0);
+  EXPECT_FALSE(map.decided.global.at("a,b").has_value()) << "0 of none is not 0";
   EXPECT_EQ(*map.decided.sequential, 1.0);
   EXPECT_FALSE(map.decided.local.has_value());
+}
+
+TEST(JudgeMap, CertifiesNothingOfRobotsThatNothingTiesTogether) {
+  const std::vector<std::string> three = {"a", "b", "c"};
+  std::vector<JudgedPair> pairs = {pair_apart(0.01, 0.01, PairKind::kSequential), pair_apart(0.01, 0.01)};
+  EXPECT_FALSE(judge_map(pairs, three, {}).certificate_m.has_value()) << "c may be anywhere";
+  pairs.push_back(pair_apart(0.05, 0.2, PairKind::kGlobal, 2));
+  pairs.back().source_robot = 2;
+  EXPECT_FALSE(judge_map(pairs, three, {}).certificate_m.has_value()) << "undecided, it ties nothing";
+  pairs.back() = pair_apart(0.02, 0.01, PairKind::kGlobal, 2);
+  pairs.back().source_robot = 2;
+  EXPECT_TRUE(judge_map(pairs, three, {}).certificate_m.has_value()) << "through a or b";
 }
 
 TEST(JudgeMap, RobotsThatMeetButShowTooLittleAreNotSaidNeverToMeet) {

@@ -16,6 +16,13 @@ inline constexpr double kThetaSlack = 0.3;
 /// Puts what was measured at both poses among the verdict's evidence, beside what is typical of the map.
 void note_measurements(const PairEvidence& pair, const MapNull& null, PairVerdict& verdict);
 
+/// Whether registrations around one that was searched widely ask for another correction. `pair` has a registration.
+[[nodiscard]] bool contradicted(const PairEvidence& pair);
+
+/// Why its neighbours, or another pose that fits nearly as well, forbid to believe a registration; empty if they do
+/// not. `pair` has one.
+[[nodiscard]] std::string doubt_of_rivals(const PairEvidence& pair);
+
 /// What is said of a pair that no registration brought together; empty where one did.
 [[nodiscard]] std::string registration_failure(const PairEvidence& pair);
 

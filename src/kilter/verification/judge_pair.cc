@@ -33,8 +33,6 @@ constexpr double kLeavesRightPlace = 0.0025;
 // tolerance, so many look as if they were off by less, because a submap is bent inside (66 of 1,322, see
 // `benchmarks/accuracy/run --parts points --seeds 1-6`). A ratio says no more than that for a pair of theirs.
 constexpr double kBentUnseen = 0.05;
-// An ambiguous registration is believed if this many around it agree.
-constexpr int kSupported = 2;
 
 double conflict_limit(const MapNull& null) {
   return null.conflict + std::max(kConflictSpreads * null.conflict_spread, kConflictSlack);
@@ -176,36 +174,11 @@ bool cells_hide_most(const OffsetEstimate& offset) {
   return offset.cells_sigma_m * offset.cells_sigma_m > 0.5 * uncertain_m2;
 }
 
-// Neighbours beyond a slip rightly ask for something else, so a few that agree are enough where free space would speak
-// against the wrong aisle. Where there is none, those that fell into the same aisle are easily a few.
-bool contradicted(const PairEvidence& pair) {
-  const Agreement& agreement = pair.agreement;
-  return pair.registration->searched &&
-         (agreement.contradicted() || (free_space_is_unknown(pair) && agreement.contradicting > agreement.agreeing));
-}
-
 // Why the registered pose cannot be believed; empty if it can. Where the pose barely moved and a submap is bent,
 // conflict is what a bend looks like and no reason for doubt.
 std::string doubt(const PairEvidence& pair, const MapNull& null, bool moved, bool conflict_counts) {
   const PoseEvidence& after = *pair.registered;
-  const RegistrationResult& registration = *pair.registration;
-  const Agreement& agreement = pair.agreement;
-  if (contradicted(pair)) {
-    return fmt::format(
-        "of the {} registrations around it that could tell, {} ask for another correction: it may have settled in the "
-        "wrong place",
-        agreement.agreeing + agreement.contradicting, agreement.contradicting);
-  }
-  // A wide search knows its runner-up; of what neighbours suggested only they can tell whether it is the right one.
-  if (registration.suggested() && agreement.agreeing == 0) {
-    return "it was found where a neighbour's correction would put it, and no registration around it confirms it";
-  }
-  if (registration.ambiguous() && agreement.agreeing < kSupported) {
-    return fmt::format(
-        "ambiguous: {:.1f} m from there it fits {:.0f} % as well",
-        (registration.T_target_source_runner_up.translation_m() - registration.T_target_source.translation_m()).norm(),
-        100.0 * *registration.ambiguity);
-  }
+  if (std::string against = doubt_of_rivals(pair); !against.empty()) return against;
   if (after.overlap < kOverlapKept * pair.map.overlap) {
     return fmt::format("registration lost overlap ({:.0f} % to {:.0f} %): the places may differ",
                        100.0 * pair.map.overlap, 100.0 * after.overlap);

@@ -68,6 +68,7 @@ MapNull estimate_null(std::span<const PairEvidence> pairs) {
     }
   }
   null.pairs = gammas.size();
+  null.pairs_with_free = conflicts.size();
   const Typical gamma = typical_of(gammas);
   null.log10_gamma = gamma.median;
   null.log10_gamma_spread = gamma.spread;

@@ -75,7 +75,7 @@ struct PairVerdict {
   std::vector<Vector6> unobservable;               ///< unit twists about the overlap's centre, target axes
   std::optional<double> p_value;                   ///< for "at most the tolerance"
   bool rigid = true;  ///< false if parts stay apart by over the tolerance whatever the rigid motion: a submap is bent
-  /// What says that the map's pose is wrong though no registration is believed to be right, if p_value rests on that.
+  /// What the verdict rests on where the registration is not believed, and so not handed on.
   std::optional<std::string> without_registration;
   std::string bent;  ///< which: "the source", "the target", "one of the two"; meaningful where `rigid` is false
   std::optional<double> log_odds;  ///< ln(p / (1 - p)) of p_inconsistent
@@ -95,7 +95,7 @@ struct LogProbability {
 struct DecidedShares {
   std::optional<double> sequential;
   std::optional<double> local;
-  std::map<std::string, double> global;  ///< by "a,b", every two robots; 0 where they never meet
+  std::map<std::string, std::optional<double>> global;  ///< by "a,b", every two robots
 };
 
 /// The answer for the whole map.

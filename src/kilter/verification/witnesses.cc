@@ -167,14 +167,16 @@ void let_free_space_speak(const PairEvidence& pair, const MapNull& null, const J
 void let_better_fit_speak(const PairEvidence& pair, double p_value, PairVerdict& verdict) {
   if (!stays_in_view(pair) || conflict_grew(pair) || !fit_improved(pair)) return;
   verdict.evidence["support"].log_ratio = verdict.evidence.at("disagreement").log_ratio;
+  const std::string conflict =
+      free_space_is_unknown(pair)
+          ? std::string()
+          : fmt::format(", and {:.1f} % of what both saw conflicts instead of {:.1f} %",
+                        100.0 * pair.registered->conflict.share(), 100.0 * pair.map.conflict.share());
   decide_without_registration(
       std::max(p_value, kLeftForBetter),
-      fmt::format(
-          "another pose fits better than the map's: {} voxels that face the way there meet the other's planes "
-          "instead of {}, and {:.1f} % of what both saw conflicts instead of {:.1f} %; which pose is right is open "
-          "({})",
-          pair.registration->support_end, pair.registration->support_start, 100.0 * pair.registered->conflict.share(),
-          100.0 * pair.map.conflict.share(), verdict.reason),
+      fmt::format("another pose fits better than the map's: {} voxels that face the way there meet the other's planes "
+                  "instead of {}{}; which pose is right is open ({})",
+                  pair.registration->support_end, pair.registration->support_start, conflict, verdict.reason),
       verdict);
 }
 
