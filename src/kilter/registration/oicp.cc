@@ -103,6 +103,25 @@ std::vector<PlaneResidual> axis_residuals(const std::vector<PointMatch>& matches
   return residuals;
 }
 
+// Which directions the target's surfaces fix. Points that meet points seem to fix all six, wherever along a corridor
+// the search stopped.
+ObservableSplit split_by_surfaces(const std::vector<PointMatch>& matches, const SurfaceVoxels& target,
+                                  const NormalEquations& of_points) {
+  std::vector<PlaneResidual> residuals;
+  residuals.reserve(matches.size());
+  for (const PointMatch& m : matches) {
+    const Eigen::Vector3d normal = target.normals[m.target_voxel].cast<double>();
+    if (normal.isZero()) continue;
+    residuals.push_back({m.source_m, normal, (m.source_m - m.target_m).dot(normal),
+                         m.weight * static_cast<double>(target.planarity[m.target_voxel])});
+  }
+  const NormalEquations of_planes = build_normal_equations(residuals);
+  const ObservableSplit split = split_observable(of_planes, residuals);
+  std::vector<Vector6> open;
+  for (int k = 0; k < split.unobservable; ++k) open.push_back(motion_of_frame(of_planes, split.directions.col(k)));
+  return split_beside(of_points, open);
+}
+
 std::size_t matched_at(const NearestVoxelSearch& source, const NearestVoxelSearch& target, const Pose3& T,
                        double search_m) {
   const std::vector<NearestVoxel> nearest = nearest_of_all(source, target, T, search_m);
@@ -159,7 +178,7 @@ RegistrationResult align_oicp(const NearestVoxelSearch& source, const NearestVox
   }
   const std::vector<PlaneResidual> residuals = axis_residuals(matches);
   const NormalEquations equations = build_normal_equations(residuals);
-  const ObservableSplit split = split_observable(equations, residuals);
+  const ObservableSplit split = split_by_surfaces(matches, target.map().voxels(), equations);
   result.stop = settled >= kSettledIterations ? StopReason::kConverged : StopReason::kMaxIterations;
   result.T_target_source = result.T_target_source_closest = T;
   result.matches = matches.size();

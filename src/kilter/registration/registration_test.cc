@@ -310,6 +310,18 @@ TEST(AlignSubmaps, CorridorAxisIsReportedAndHeldAtTheStart) {
   EXPECT_GT(std::sqrt(result.covariance(0, 0)), 0.5);  // the prior's, not a claim
 }
 
+TEST(AlignSubmaps, OicpClaimsNothingAlongACorridor) {
+  const SubmapPair pair = corridor_pair();
+  const RegistrationResult result =
+      run(pair, pose_at(0.6, 0.0, 0.0, 0.0) * pair.T_target_source, RegistrationMethod::kOicp);
+  ASSERT_TRUE(result.converged()) << to_string(result.stop);
+  ASSERT_EQ(result.unobservable.size(), 1U);
+  EXPECT_GT(std::abs(result.unobservable[0][0]), 0.95) << result.unobservable[0].transpose();
+  EXPECT_GT(std::sqrt(result.covariance(0, 0)), 0.9) << "the prior's";
+  const SubmapPair room = room_pair();
+  EXPECT_TRUE(run(room, room.T_target_source, RegistrationMethod::kOicp).unobservable.empty());
+}
+
 // Along a corridor every pose fits; the wide search would take the one that overlaps most.
 TEST(AlignWidely, DoesNotClaimAMoveAlongACorridor) {
   const SubmapPair pair = corridor_pair();
