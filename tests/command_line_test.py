@@ -171,6 +171,15 @@ class Simulate(unittest.TestCase):
         self.assertIn("office", run.stderr)
 
 
+class Memory(unittest.TestCase):
+    def test_a_size_that_is_none_is_refused_by_every_command(self):
+        for command in (("check", "."), ("info", "."), ("register", "a.bin", "b.bin"), ("submaps", ".", "-o", "d"),
+                        ("report", ".", "-o", "r.html"), ("simulate", "office", "-o", "d"), ("config", "show")):
+            run = run_kilter(*command, "--memory", "bogus")
+            self.assertEqual((run.status, run.stdout), (2, ""), command)
+            self.assertIn('--memory: expected a size such as 512M or 4G, found "bogus"', run.stderr)
+
+
 class Explain(unittest.TestCase):
     def test_every_code_and_finding_is_explained(self):
         explanations = json.loads(run_kilter("explain", "--json").stdout)
@@ -190,6 +199,15 @@ class Explain(unittest.TestCase):
         verdicts = [word for of in ("pair", "system") for word in schema[of]["properties"]["verdict"]["enum"]]
         self.assertGreaterEqual((len(names), len(set(oddities)), len(verdicts)), (17, 11, 6))
         self.assertEqual([name for name in names + oddities + verdicts if name not in explained], [])
+
+    def test_keys_of_a_pair_are_explained_as_they_stand_in_the_result(self):
+        evidence = re.findall(r"^\| `(\w+)` \|", source("docs/verdicts.md"), re.M)
+        self.assertIn("conflict_registered", evidence)
+        others = ["offset_m", "offset_vector", "gap_m", "p_value", "p_inconsistent", "unobservable", "minimum_detectable_m",
+                  "certificate_m", "certificate_excludes", "log_odds", "decided", "constraint", "cycles", "theta_oicp", "gamma_literal"]
+        for key in [name for name in evidence if name not in ("log10_gamma", "mean_distance_m")] + others:
+            run = run_kilter("explain", key)
+            self.assertEqual((run.status, run.stderr), (0, ""), key)
 
 
 class Info(unittest.TestCase):

@@ -162,6 +162,12 @@ class RegisterTest(unittest.TestCase):
         self.assertNotIn(said, run_kilter(*command, "--set", "resolution=2 cm", "--quiet").stderr)
         self.assertNotIn("times the time", run_kilter(*command, "--set", "resolution=5 cm").stderr)
 
+    def test_holds_its_two_maps_against_the_memory_it_may_take(self):
+        done = self.register("--memory", "1K")
+        self.assertEqual((done.status, done.stdout), (5, ""))
+        self.assertRegex(done.stderr, r"out-of-memory: the two together need [\d.]+ MB, more than --memory allows")
+        self.assertEqual(self.register("--memory", "1G", "--json").stdout, self.register("--json").stdout)
+
     def test_never_writes_onto_its_inputs_or_what_is_no_ply(self):
         (self.root / "aligned-link.ply").symlink_to(self.root / "source.bin")
         before = (self.root / "source.bin").read_bytes()

@@ -67,6 +67,7 @@ Expected<Settings> read_settings(const CommonOptions& options, bool seed_preset)
     }
   }
   if (auto fit = validate(settings.check.submap.occupancy); !fit) return pass_up(fit.error());
+  if (const Expected<std::size_t> memory = parse_memory(options.memory); !memory) return pass_up(memory.error());
   return settings;
 }
 

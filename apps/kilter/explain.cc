@@ -53,25 +53,60 @@ constexpr std::array kFindings = {
         "undetermined",
         "No pair is inconsistent, but too little of what overlaps was decided to call the map consistent: robots that "
         "never meet, or too many unverified pairs (`min_decided`). Exit status 4."},
-    Topic{
-        "certificate",
-        "`certificate_m`: the smallest X for which \"consistent to X m at 95 %\" can be said of the map. The pairs in "
-        "`certificate_excludes` overlap too, but nothing can be said about them."},
+    Topic{"certificate",
+          "`certificate_m`: the smallest X for which \"consistent to X m at 95 %\" can be said of the pairs that were "
+          "decided. The pairs in `certificate_excludes` overlap too, but nothing can be said about them. There is none "
+          "where no decided pairs tie all robots together."},
     Topic{
         "offset",
         "`offset_m`: how far apart the map puts the same place, RMS over the overlap, with its 95 % interval, "
         "registered pose against the map's. Reported whatever the verdict. `offset_vector` is the displacement at the "
         "overlap's centre along the target's axes."},
     Topic{"gap", "`gap_m`: the distance between the two copies of surfaces that the map holds twice (double walls)."},
-    Topic{
-        "unobservable",
-        "Directions, as unit twists about the overlap's centre, that nothing in the scene fixes: sliding along a "
-        "corridor, turning in a round room. A disagreement along them cannot be seen, so the pair is not consistent."},
+    Topic{"unobservable",
+          "Directions, as unit twists about the overlap's centre, that nothing in the scene fixes: sliding along a "
+          "corridor, turning in a round room. A disagreement along them cannot be seen, so the pair is consistent only "
+          "if what odometry may have drifted there is below the tolerance."},
     Topic{
         "p-inconsistent",
         "`p_inconsistent`: the probability that a pair's disagreement exceeds the tolerance, from all evidence and the "
         "prior `prior_inconsistent`. Over many pairs said 0.8, eight in ten exceed it. `log_odds` is the same without "
         "saturating."},
+    Topic{"conflict",
+          "Evidence: the share of what both submaps saw that is a surface to one and free space to the other, at the "
+          "map's pose; `conflict_registered` is the same once registered. Beside them what is typical of this map."},
+    Topic{"displacement", "Evidence: the offset alone, without the bend, beside the tolerance."},
+    Topic{
+        "disagreement",
+        "Evidence: how far apart the map puts the same place, offset and bend together, RMS over the places that both "
+        "submaps show. What is asked is whether this exceeds `tolerance`."},
+    Topic{
+        "bend",
+        "Evidence `bend_m`: what still lies apart once registered, since a submap drifted or slipped inside. No rigid "
+        "motion mends it; shorter submaps (`submap_distance`) have less of it."},
+    Topic{"support",
+          "Evidence: how many voxels that face the way moved lie within a quarter voxel of the other's planes, at the "
+          "map's pose and once registered. A move that is worth it gathers more."},
+    Topic{"same-side",
+          "Evidence `same_side`: the share of voxels with one of the other submap's beside it that was seen from the "
+          "same side. Where it is low the two may show a floor and the ceiling below it."},
+    Topic{"ambiguity",
+          "Evidence: how well the next best pose fits, as a share of the best. Above 0.7 the registration is believed "
+          "only if others around it agree. Known where the wide search ran."},
+    Topic{"agreeing", "Evidence: how many registrations around a pair ask for the same correction, and for another."},
+    Topic{"constraint",
+          "Whether a pair's registration is handed on as an edge of constraints.g2o: the pair is decided, and by it."},
+    Topic{"cycles",
+          "Three registrations, chained, have to lead back. What they leave over, against their covariances, says "
+          "whether these are too narrow in this map (`covariance_scale`)."},
+    Topic{"decided",
+          "Which share of the overlapping pairs was decided, by kind and for each two robots; null where none overlap. "
+          "`min_decided` of each is asked for before a map is called consistent."},
+    Topic{"minimum-detectable", "`minimum_detectable_m`: the smallest offset that this pair would have revealed."},
+    Topic{"p-value",
+          "`p_value`: how often chance would show as much where the disagreement is at most the tolerance. Pairs are "
+          "called inconsistent by it, with false discoveries held to `alpha`; it is no probability of being wrong."},
+    Topic{"log-odds", "`log_odds`: ln(p / (1 - p)) of `p_inconsistent`, which does not saturate."},
     Topic{"gamma",
           "The paper's Eq. (15): 1 / (mean x variance) of the distances between matched voxels, at the map's poses. "
           "Large means consistent. `gamma_literal` is without floors. A parallel offset can score as well as a good "
@@ -93,7 +128,13 @@ Expected<std::vector<Topic>> chosen(std::string code) {
   std::vector<Topic> all = topics();
   if (code.empty()) return all;
   const std::string asked = code;
-  for (char& letter : code) letter = static_cast<char>(std::tolower(static_cast<unsigned char>(letter)));
+  for (char& letter : code) {
+    letter = letter == '_' ? '-' : static_cast<char>(std::tolower(static_cast<unsigned char>(letter)));
+  }
+  // Keys of the result are asked for as they stand there: offset_m, conflict_registered, theta_oicp.
+  for (const std::string_view end : {"-m", "-registered", "-excludes", "-literal", "-oicp", "-vector", "-rad"}) {
+    if (code.size() > end.size() && code.ends_with(end)) code.resize(code.size() - end.size());
+  }
   std::vector<std::string> names;
   for (const Topic& topic : all) {
     if (topic.name == code) return std::vector<Topic>{topic};

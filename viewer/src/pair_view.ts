@@ -358,9 +358,11 @@ export class PairView {
       const slide = new Vector3(twist[0], twist[1], twist[2]);
       const turn = new Vector3(twist[3], twist[4], twist[5]);
       const slides = slide.length() >= turn.length();
-      const axis = (slides ? slide : turn).normalize().applyQuaternion(q);
-      const a = this.pane.project(axis.clone().multiplyScalar(-reach), width, height);
-      const b = this.pane.project(axis.clone().multiplyScalar(reach), width, height);
+      const axis = (slides ? slide : turn).clone().normalize().applyQuaternion(q);
+      // A turn with a shift across it is about another axis than the one through the centre.
+      const middle = slides ? new Vector3() : turn.clone().cross(slide).divideScalar(turn.lengthSq()).applyQuaternion(q);
+      const a = this.pane.project(middle.clone().addScaledVector(axis, -reach), width, height);
+      const b = this.pane.project(middle.clone().addScaledVector(axis, reach), width, height);
       context.setLineDash([8, 5]);
       context.lineWidth = 6;
       context.strokeStyle = paper;

@@ -83,10 +83,10 @@ std::vector<std::uint8_t> samples(const CloudPicture& cloud, std::uint32_t strid
   return bytes;
 }
 
-// Mean of the target's samples that the source saw too, at the better of the two poses.
-Eigen::Vector3d centre_world_m(const PairPicture& pair, const CloudPicture& target, const Pose3& T_world_target,
-                               const Pose3& T_world_source) {
-  const std::vector<std::uint8_t>& near = pair.target.after.empty() ? pair.target.before : pair.target.after;
+// Mean of the target's samples that the source saw too.
+Eigen::Vector3d sampled_centre_world_m(const PairPicture& pair, const CloudPicture& target, const Pose3& T_world_target,
+                                       const Pose3& T_world_source) {
+  const std::vector<std::uint8_t>& near = pair.target.before;
   Eigen::Vector3d sum_m = Eigen::Vector3d::Zero();
   std::size_t count = 0;
   for (std::size_t k = 0; k < near.size(); ++k) {
@@ -154,9 +154,12 @@ Expected<void> draw_pairs(std::span<const SubmapNode> nodes, SubmapStore& store,
   if (!done) return done;
   parallel_for(picture.pairs.size(), {run.threads, run.cancelled, {}}, [&](std::size_t i) {
     PairPicture& pair = picture.pairs[i];
+    const Pose3& T_world_target = result.submap(pair.id.target).T_world_submap;
+    const std::optional<Eigen::Vector3d>& centre_target_m = result.pairs[i].centre_target_m;
     pair.centre_world_m =
-        centre_world_m(pair, picture.clouds[static_cast<std::size_t>(pair.id.target.value)],
-                       result.submap(pair.id.target).T_world_submap, result.submap(pair.id.source).T_world_submap);
+        centre_target_m ? T_world_target * *centre_target_m
+                        : sampled_centre_world_m(pair, picture.clouds[static_cast<std::size_t>(pair.id.target.value)],
+                                                 T_world_target, result.submap(pair.id.source).T_world_submap);
   });
   return {};
 }

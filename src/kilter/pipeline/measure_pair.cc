@@ -265,6 +265,7 @@ PairResult pair_result(const PairMeasurement& measurement, const PairVerdict& ve
     result.registered_score = evidence.registered->score;
     result.registered_histogram = evidence.registered->histogram;
     result.T_target_source_registered = evidence.registration->T_target_source;
+    result.centre_target_m = evidence.registration->centre_target_m + evidence.registration->places_arm_m;
     result.covariance =
         constraint_covariance(*evidence.registration, is_rigid(*evidence.registration, options.judge), 1.0);
     result.trusted = verdict.verdict != Verdict::kUnverified && !verdict.without_registration;

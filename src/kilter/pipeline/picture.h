@@ -49,7 +49,7 @@ struct SamplePicture {
 /// What a pair's own view needs beside what result.json says. Sample k is shown point k * stride of the cloud.
 struct PairPicture {
   PairId id;
-  Eigen::Vector3d centre_world_m = Eigen::Vector3d::Zero();  ///< of what both saw, as the target's submap lies
+  Eigen::Vector3d centre_world_m = Eigen::Vector3d::Zero();  ///< of what both saw, as the target lies
   std::uint32_t stride = 1;
   SamplePicture source;  ///< empty where the pair does not overlap
   SamplePicture target;

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "kilter/occupancy/map_builder.h"
+#include "kilter/pipeline/submap_store.h"
 
 namespace kilter {
 namespace {
@@ -57,6 +58,10 @@ Expected<PairMeasurement> register_clouds(const CloudPair& clouds, const CheckOp
     if (errors[i]) return pass_up(*errors[i]);
     if (maps[i]->map().voxels().size() > 0) continue;
     return refuse_bare(clouds, i == 0, own.submap.occupancy);
+  }
+  const std::size_t bytes = maps[0]->bytes() + maps[1]->bytes();
+  if (run.memory_bytes > 0 && bytes > run.memory_bytes) {
+    return pass_up(exceeds_memory("the two together need", bytes, run.memory_bytes));
   }
   CandidatePair pair;
   pair.id = {{1}, {0}};

@@ -27,7 +27,7 @@ struct CloudPair {
 /// start, then always the wide search (options.registration.wide_translation_m, max_rotation_rad).
 /// Gates on overlap do not apply. Vertical is the target's z.
 /// \return  the measured pair; `evidence.registration` is always there and says how it ended. kInvalidPoints if a
-/// cloud leaves no voxel; what map_from_cells fails with.
+/// cloud leaves no voxel, kOutOfMemory if the two maps exceed run.memory_bytes; what map_from_cells fails with.
 [[nodiscard]] Expected<PairMeasurement> register_clouds(const CloudPair& clouds, const CheckOptions& options,
                                                         const RunContext& run);
 

@@ -49,8 +49,9 @@ struct PairResult {
   PairVerdict verdict;
   Pose3 T_target_source;  ///< as the map has it
   std::optional<Pose3> T_target_source_registered;
-  std::optional<Matrix6> covariance;  ///< xi = (x y z rx ry rz) in the source's frame
-  bool trusted = false;               ///< registration converged and believed, pair not unverified: goes to g2o
+  std::optional<Eigen::Vector3d> centre_target_m;  ///< of the overlap, where offset and open directions are told
+  std::optional<Matrix6> covariance;               ///< xi = (x y z rx ry rz) in the source's frame
+  bool trusted = false;  ///< registration converged and believed, pair not unverified: goes to g2o
 };
 
 /// A fused map that --maps asked for (Eq. 2-3).
