@@ -17,9 +17,12 @@ std::vector<OptionField> fields(MatchingOptions& o) {
                   "Metres that a difference of 1 in occupancy probability adds to a distance.", "d_f"),
       choice_option("voxel_position", o.position, {"centre", "centroid"},
                     "Point that stands for a voxel in the paper's distances."),
-      real_option("overlap_min", o.overlap_min, Unit::kRatio, 0.0, 1.0,
-                  "Matched fraction of the voxels inside the other submap's box, below which a pair stays unverified."),
-      count_option("matched_min", o.matched_min, 2, 1000000000, "Matched voxels below which a pair stays unverified."),
+      real_option(
+          "overlap_min", o.overlap_min, Unit::kRatio, 0.0, 1.0,
+          "Matched fraction of the voxels inside the other submap's box, in the better direction, below which a pair "
+          "stays unverified."),
+      count_option("matched_min", o.matched_min, 2, 1000000000,
+                   "Matched voxels, of the submap that has fewer, below which a pair stays unverified."),
   };
 }
 

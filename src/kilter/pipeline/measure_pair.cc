@@ -125,8 +125,8 @@ std::optional<CommonSurface> common_surface(const PairSearches& pair, const Pose
 
 std::string gate_reason(const TwoWaySample& sample, const CandidatePair& pair, const MatchingOptions& options) {
   std::string reason = !sample.enough_matched(options)
-                           ? fmt::format("too little overlap: {} voxels match, {:.0f} are needed", sample.matched(),
-                                         options.matched_min * sample.voxels_per_cell)
+                           ? fmt::format("too little overlap: {} voxels of one match, {:.0f} are needed",
+                                         sample.matched(), options.matched_min * sample.voxels_per_cell)
                            : fmt::format("too little overlap: {:.0f} % of the voxels match, {:.0f} % are needed",
                                          100.0 * sample.overlap(), 100.0 * options.overlap_min);
   const double shift_m = pair.predicted_shift_m.norm();
