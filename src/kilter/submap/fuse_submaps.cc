@@ -119,14 +119,20 @@ void visit_box(std::vector<Sum>& sums, const Cell& low, const Cell& high, const 
   }
 }
 
+// The mean of all centroids of a cell may fall beside a submap's own surface there, where it saw through: that is no
+// miss of a cell that it put a surface into.
 void add_misses(const SubmapNode& node, const VoxelMap& map, double resolution_m, std::vector<Sum>& sums) {
   const Eigen::AlignedBox3d box = moved_box(map.bounds_m(), node.T_world_submap);
   if (box.isEmpty()) return;
   const Pose3 T_submap_world = node.T_world_submap.inverse();
+  const std::vector<Contribution> own = contributions_of(node, map, resolution_m);
+  auto next_own = own.begin();
   // One cell more than the box: a mean may be rounded over the border of its cell.
   const Eigen::Vector3d margin_m = Eigen::Vector3d::Constant(resolution_m);
   visit_box(sums, cell_at(box.min() - margin_m, resolution_m), cell_at(box.max() + margin_m, resolution_m),
             [&](Sum& sum) {
+              while (next_own != own.end() && next_own->cell < sum.cell) ++next_own;
+              if (next_own != own.end() && next_own->cell == sum.cell) return;
               const Eigen::Vector3d centroid_world_m = sum.centroid_world_m();
               if (!box.contains(centroid_world_m)) return;
               const VoxelIndex index = voxel_at(T_submap_world * centroid_world_m, map.resolution_m());

@@ -50,6 +50,17 @@ TEST(FuseSubmaps, FreeSpaceOfOneLowersWhatAnotherSawButKeepsIt) {
   EXPECT_NEAR(lowest, std::log(0.7 / 0.3) + std::log(0.4 / 0.6), 1e-6);  // the near wall, seen through by b
 }
 
+// Two lattices 8 cm apart: the mean of both hits lies in the voxel before the one that b hit, which its ray went
+// through.
+TEST(FuseSubmaps, ASubmapHoldsNoMissAgainstACellThatItHit) {
+  const Submap a = submap_seeing({{1.01, 0.05, 0.05}}, {}, 0);
+  const Submap b = submap_seeing({{1.01, 0.05, 0.05}, {0.55, 0.55, 0.05}}, Pose3::from_translation(0.08, 0.0, 0.0), 1);
+  const std::vector<FusedVoxel> fused = fused_of({a, b});
+  ASSERT_EQ(fused.size(), 2U);
+  EXPECT_NEAR(fused[0].centroid_world_m.x(), 1.05, 1e-6);
+  EXPECT_NEAR(fused[0].log_odds, 2.0 * std::log(0.7 / 0.3), 1e-6);
+}
+
 TEST(FuseSubmaps, PassesOnWhyThereIsNoMap) {
   const LendMap lend = [](SubmapId, const std::function<void(const VoxelMap&)>&) -> Expected<void> {
     return fail(ErrorCode::kNoSpace, "full");
