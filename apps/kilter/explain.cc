@@ -100,7 +100,7 @@ constexpr std::array kFindings = {
           "Three registrations, chained, have to lead back. What they leave over, against their covariances, says "
           "whether these are too narrow in this map (`covariance_scale`)."},
     Topic{"decided",
-          "Which share of the overlapping pairs was decided, by kind and for each two robots; null where none overlap. "
+          "Which share of the overlapping pairs was decided, by kind and for each two robots. "
           "`min_decided` of each is asked for before a map is called consistent."},
     Topic{"minimum-detectable", "`minimum_detectable_m`: the smallest offset that this pair would have revealed."},
     Topic{"p-value",

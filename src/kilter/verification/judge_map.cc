@@ -100,9 +100,8 @@ struct Share {
     overlapping += 1;
     decided += pair.verdict.verdict == Verdict::kUnverified ? 0 : 1;
   }
-  [[nodiscard]] std::optional<double> value() const {
-    if (overlapping == 0) return std::nullopt;
-    return static_cast<double>(decided) / static_cast<double>(overlapping);
+  [[nodiscard]] double value() const {
+    return overlapping == 0 ? 0.0 : static_cast<double>(decided) / static_cast<double>(overlapping);
   }
 };
 
@@ -120,8 +119,8 @@ DecidedShares decided_shares(const std::vector<JudgedPair>& pairs, std::span<con
     if (pair.kind == PairKind::kGlobal) global[robots_key(pair, robots)].add(pair);
   }
   DecidedShares shares;
-  shares.sequential = sequential.value();
-  shares.local = local.value();
+  if (sequential.overlapping > 0) shares.sequential = sequential.value();
+  if (local.overlapping > 0) shares.local = local.value();
   for (const auto& [key, share] : global) shares.global[key] = share.value();
   return shares;
 }
@@ -135,7 +134,7 @@ std::string undecided(const DecidedShares& shares, const std::vector<JudgedPair>
   const auto too_few = [&](double share) { return share < options.min_decided; };
   for (const auto& of_robots : shares.global) {
     const std::string& key = of_robots.first;  // clang 14 lets no lambda capture a structured binding
-    const double share = of_robots.second.value_or(0.0);
+    const double share = of_robots.second;
     if (!too_few(share)) continue;
     std::size_t listed = 0;
     std::size_t counted = 0;
