@@ -151,14 +151,14 @@ void add_registration(const RegistrationResult& registration, JsonWriter& json) 
 
 // Verdicts as if the pairs of the batch were a map.
 std::vector<PairVerdict> judge_batch(const std::vector<Outcome>& outcomes, const CheckOptions& options) {
-  std::vector<PairEvidence> evidence;
+  std::vector<const PairEvidence*> evidence;
   for (const Outcome& outcome : outcomes) {
-    if (outcome.measured) evidence.push_back(outcome.measured->evidence);
+    if (outcome.measured) evidence.push_back(&outcome.measured->evidence);
   }
   const MapNull null = estimate_null(evidence);
   std::vector<JudgedPair> judged;
-  for (const PairEvidence& pair : evidence) {
-    judged.push_back({pair.id, pair.kind, pair.overlaps, 0, 1, judge_pair(pair, null, options.judge)});
+  for (const PairEvidence* pair : evidence) {
+    judged.push_back({pair->id, pair->kind, pair->overlaps, 0, 1, judge_pair(*pair, null, options.judge)});
   }
   const std::array<std::string, 2> robots = {"target", "source"};
   (void)judge_map(judged, robots, options.judge);

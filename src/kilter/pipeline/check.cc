@@ -6,13 +6,13 @@
 
 #include <algorithm>
 #include <chrono>
+#include <deque>
 #include <optional>
 #include <utility>
 
 #include "kilter/base/lowest_failure.h"
 #include "kilter/pipeline/draw_picture.h"
-#include "kilter/pipeline/measure_pair.h"
-#include "kilter/pipeline/pair_schedule.h"
+#include "kilter/pipeline/measure_pairs.h"
 #include "kilter/pipeline/reconsider_pairs.h"
 #include "kilter/pipeline/submap_store.h"
 #include "kilter/registration/uncertainty.h"
@@ -103,44 +103,36 @@ Expected<BuiltSubmaps> build_all(const std::vector<RobotLog>& robots, std::vecto
   return built;
 }
 
-// Measures all candidates and keeps those that are listed; the others are counted.
-Expected<std::vector<PairMeasurement>> measure_all(const std::vector<SubmapNode>& nodes,
-                                                   const std::vector<CandidatePair>& candidates,
-                                                   const CheckOptions& options, SubmapStore& store, const CheckRun& run,
-                                                   std::size_t& left_out) {
-  std::vector<PairId> ids;
-  ids.reserve(candidates.size());
-  for (const CandidatePair& pair : candidates) ids.push_back(pair.id);
-  std::vector<PairMeasurement> measured(candidates.size());
-  const Expected<void> done = for_each_pair(
-      nodes, store, ids, stage_context(run, "pairs"),
-      [&](std::size_t i, const PlacedPair& maps) { measured[i] = measure_pair(maps, candidates[i], options); });
-  if (!done) return pass_up(done.error());
-  left_out = std::erase_if(measured, [](const PairMeasurement& pair) { return !pair.listed; });
-  if (run.cancelled != nullptr && run.cancelled->load()) return measured;
-  if (auto agreed = reconsider_pairs(nodes, store, options, stage_context(run, "agreement"), measured); !agreed) {
+// Measures all candidates, and those that are listed once more where others contradict them.
+Expected<MeasuredPairs> measure_all(const std::vector<SubmapNode>& nodes, const std::vector<CandidatePair>& candidates,
+                                    const CheckOptions& options, SubmapStore& store, const CheckRun& run) {
+  Expected<MeasuredPairs> measured = measure_pairs(nodes, candidates, options, store, stage_context(run, "pairs"));
+  if (!measured || (run.cancelled != nullptr && run.cancelled->load())) return measured;
+  if (auto agreed = reconsider_pairs(nodes, store, options, stage_context(run, "agreement"), measured->listed);
+      !agreed) {
     return pass_up(agreed.error());
   }
   return measured;
 }
 
-std::vector<JudgedPair> judge_all(const std::vector<PairMeasurement>& measured, const std::vector<SubmapNode>& nodes,
+// Leaves in `measured` what is heard of neighbours.
+std::vector<JudgedPair> judge_all(std::deque<PairMeasurement>& measured, const std::vector<SubmapNode>& nodes,
                                   const CheckOptions& options) {
-  std::vector<PairEvidence> evidence;
+  std::vector<const PairEvidence*> evidence;
   evidence.reserve(measured.size());
-  for (const PairMeasurement& pair : measured) evidence.push_back(pair.evidence);
+  for (const PairMeasurement& pair : measured) evidence.push_back(&pair.evidence);
   const MapNull null = estimate_null(evidence);
   std::vector<JudgedPair> judged;
   judged.reserve(evidence.size());
   const bool by_gamma = options.judge.method == JudgeMethod::kGamma;
   std::vector<PairVerdict> verdicts;
   if (by_gamma) {
-    for (const PairEvidence& pair : evidence) verdicts.push_back(judge_pair_by_gamma(pair, null));
+    for (const PairEvidence* pair : evidence) verdicts.push_back(judge_pair_by_gamma(*pair, null));
   } else {
-    verdicts = judge_among_neighbours(nodes, measured, null, options, evidence);
+    verdicts = judge_among_neighbours(nodes, null, options, measured);
   }
   for (std::size_t i = 0; i < evidence.size(); ++i) {
-    const PairEvidence& pair = evidence[i];
+    const PairEvidence& pair = *evidence[i];
     const bool overlaps = pair.overlaps && (by_gamma || !shows_no_common_side(pair, null));
     judged.push_back({pair.id, pair.kind, overlaps, nodes[static_cast<std::size_t>(pair.id.source.value)].robot,
                       nodes[static_cast<std::size_t>(pair.id.target.value)].robot, std::move(verdicts[i]),
@@ -151,7 +143,7 @@ std::vector<JudgedPair> judge_all(const std::vector<PairMeasurement>& measured, 
 
 // Covariances come from one pair each, and know nothing of what bends a submap from pair to pair; closed cycles do.
 // What nothing fixes keeps the prior's variance, and a bend beyond the tolerance has its own.
-CycleClosure widen_covariances(const std::vector<PairMeasurement>& measured, const JudgeOptions& options,
+CycleClosure widen_covariances(const std::deque<PairMeasurement>& measured, const JudgeOptions& options,
                                std::vector<PairResult>& pairs) {
   const auto rigid = [&](std::size_t i) { return is_rigid(*measured[i].evidence.registration, options); };
   std::vector<RelativePose> poses;
@@ -226,12 +218,13 @@ Expected<Result> check(const std::vector<RobotLog>& robots, const CheckOptions& 
     const Stopwatch watch(result.seconds["pairing"]);
     candidates = propose_pairs(submaps.nodes, submaps.coarse, options.pairing, stage_context(run, "pairing"));
   }
-  std::vector<PairMeasurement> measured;
+  std::deque<PairMeasurement> measured;
   {
     const Stopwatch watch(result.seconds["pairs"]);
-    auto all = measure_all(submaps.nodes, candidates, options, store, run, result.too_little_overlap);
+    Expected<MeasuredPairs> all = measure_all(submaps.nodes, candidates, options, store, run);
     if (!all) return pass_up(all.error());
-    measured = *std::move(all);
+    result.too_little_overlap = all->left_out;
+    measured = std::move(all->listed);
   }
   if (run.cancelled != nullptr && run.cancelled->load()) return stopped();
   std::vector<JudgedPair> judged;

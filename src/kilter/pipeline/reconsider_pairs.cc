@@ -58,7 +58,7 @@ AgreementOptions agreement_options(const CheckOptions& options) {
   return {.drift_per_metre = options.pairing.drift_per_metre};
 }
 
-Corrections corrections_of(std::span<const SubmapNode> nodes, std::span<const PairMeasurement> measured) {
+Corrections corrections_of(std::span<const SubmapNode> nodes, const std::deque<PairMeasurement>& measured) {
   Corrections corrections;
   for (std::size_t i = 0; i < measured.size(); ++i) {
     if (!measured[i].evidence.registered) continue;
@@ -68,14 +68,14 @@ Corrections corrections_of(std::span<const SubmapNode> nodes, std::span<const Pa
   return corrections;
 }
 
-Corrections compared_corrections_of(std::span<const SubmapNode> nodes, std::span<const PairMeasurement> measured,
+Corrections compared_corrections_of(std::span<const SubmapNode> nodes, const std::deque<PairMeasurement>& measured,
                                     const AgreementOptions& options) {
   Corrections corrections = corrections_of(nodes, measured);
   corrections.agreements = compare_corrections({corrections.all, options});
   return corrections;
 }
 
-void store_agreements(const Corrections& corrections, std::vector<PairMeasurement>& measured) {
+void store_agreements(const Corrections& corrections, std::deque<PairMeasurement>& measured) {
   for (std::size_t k = 0; k < corrections.pairs.size(); ++k) {
     measured[corrections.pairs[k]].evidence.agreement = corrections.agreements[k];
   }
@@ -97,7 +97,7 @@ bool is_worth_keeping(const PairEvidence& found, const PairEvidence& before) {
 }  // namespace
 
 Expected<void> reconsider_pairs(std::span<const SubmapNode> nodes, SubmapStore& store, const CheckOptions& options,
-                                const RunContext& run, std::vector<PairMeasurement>& measured) {
+                                const RunContext& run, std::deque<PairMeasurement>& measured) {
   if (options.registration.method == RegistrationMethod::kOicp) return {};
   const AgreementOptions agreement = agreement_options(options);
   const Corrections first = compared_corrections_of(nodes, measured, agreement);
@@ -120,22 +120,18 @@ Expected<void> reconsider_pairs(std::span<const SubmapNode> nodes, SubmapStore& 
   std::vector<PairId> ids;
   ids.reserve(tries.size());
   for (const Try& one : tries) ids.push_back(measured[one.pair].evidence.id);
-  std::vector<PairEvidence> found(tries.size());
   Expected<void> done = for_each_pair(nodes, store, ids, run, [&](std::size_t k, const PlacedPair& maps) {
-    found[k] = register_again(maps, measured[tries[k].pair], tries[k].T_target_source, options);
+    PairMeasurement& pair = measured[tries[k].pair];  // each is tried once
+    PairEvidence found = register_again(maps, pair, tries[k].T_target_source, options);
+    if (is_worth_keeping(found, pair.evidence)) pair.evidence = std::move(found);
   });
   if (!done) return done;
-  for (std::size_t k = 0; k < tries.size(); ++k) {
-    PairEvidence& evidence = measured[tries[k].pair].evidence;
-    if (is_worth_keeping(found[k], evidence)) evidence = std::move(found[k]);
-  }
   store_agreements(compared_corrections_of(nodes, measured, agreement), measured);
   return {};
 }
 
-void hear_neighbours(std::span<const SubmapNode> nodes, std::span<const PairMeasurement> measured,
-                     std::span<const Standing> standings, const CheckOptions& options,
-                     std::span<PairEvidence> evidence) {
+void hear_neighbours(std::span<const SubmapNode> nodes, std::span<const Standing> standings,
+                     const CheckOptions& options, std::deque<PairMeasurement>& measured) {
   if (options.registration.method == RegistrationMethod::kOicp) return;
   const Corrections corrections = corrections_of(nodes, measured);
   std::vector<Standing> of_corrections;
@@ -144,27 +140,29 @@ void hear_neighbours(std::span<const SubmapNode> nodes, std::span<const PairMeas
   const double tolerance_m = options.judge.tolerance_m;
   const CorrectionIndex index(corrections.all, agreement_options(options));
   const std::vector<int> vouching = count_vouching(index, of_corrections, tolerance_m);
-  for (std::size_t k = 0; k < vouching.size(); ++k) evidence[corrections.pairs[k]].agreement.vouching = vouching[k];
-  for (std::size_t i = 0; i < measured.size(); ++i) {
-    const bool overlaps = evidence[i].overlaps || measured[i].candidate.predicted_enough;
-    if (evidence[i].registered || !overlaps) continue;
-    evidence[i].agreement.movers = count_movers(index, of_corrections, place_of(nodes, evidence[i]), tolerance_m);
+  for (std::size_t k = 0; k < vouching.size(); ++k) {
+    measured[corrections.pairs[k]].evidence.agreement.vouching = vouching[k];
+  }
+  for (PairMeasurement& pair : measured) {
+    PairEvidence& evidence = pair.evidence;
+    if (evidence.registered || !(evidence.overlaps || pair.candidate.predicted_enough)) continue;
+    evidence.agreement.movers = count_movers(index, of_corrections, place_of(nodes, evidence), tolerance_m);
   }
 }
 
-std::vector<PairVerdict> judge_among_neighbours(std::span<const SubmapNode> nodes,
-                                                std::span<const PairMeasurement> measured, const MapNull& null,
-                                                const CheckOptions& options, std::span<PairEvidence> evidence) {
+std::vector<PairVerdict> judge_among_neighbours(std::span<const SubmapNode> nodes, const MapNull& null,
+                                                const CheckOptions& options, std::deque<PairMeasurement>& measured) {
   std::vector<PairVerdict> verdicts;
   std::vector<Standing> standings;
-  for (const PairEvidence& pair : evidence) {
-    verdicts.push_back(judge_pair(pair, null, options.judge));
+  for (const PairMeasurement& pair : measured) {
+    verdicts.push_back(judge_pair(pair.evidence, null, options.judge));
     standings.push_back(standing_of(verdicts.back(), options.judge));
   }
-  hear_neighbours(nodes, measured, standings, options, evidence);
-  for (std::size_t i = 0; i < evidence.size(); ++i) {
-    const Agreement& heard = evidence[i].agreement;
-    if (heard.vouching > 0 || heard.movers > 0) verdicts[i] = judge_pair(evidence[i], null, options.judge);
+  hear_neighbours(nodes, standings, options, measured);
+  for (std::size_t i = 0; i < measured.size(); ++i) {
+    const PairEvidence& evidence = measured[i].evidence;
+    const Agreement& heard = evidence.agreement;
+    if (heard.vouching > 0 || heard.movers > 0) verdicts[i] = judge_pair(evidence, null, options.judge);
   }
   return verdicts;
 }

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <deque>
 #include <span>
 #include <vector>
 
@@ -20,21 +21,19 @@ namespace kilter {
 /// \return what the store failed with.
 [[nodiscard]] Expected<void> reconsider_pairs(std::span<const SubmapNode> nodes, SubmapStore& store,
                                               const CheckOptions& options, const RunContext& run,
-                                              std::vector<PairMeasurement>& measured);
+                                              std::deque<PairMeasurement>& measured);
 
 /// How many believed pairs around each vouch for its move, or, of pairs that were not registered but overlap as the map
-/// has them or within what odometry may have drifted, would move it (Agreement::vouching, Agreement::movers). Does
-/// nothing to the paper's own registration. \param standings  of `measured`, in order, before anybody was heard
-/// \param evidence  of `measured`, in order
-void hear_neighbours(std::span<const SubmapNode> nodes, std::span<const PairMeasurement> measured,
-                     std::span<const Standing> standings, const CheckOptions& options,
-                     std::span<PairEvidence> evidence);
+/// has them or within what odometry may have drifted, would move it: left in its evidence (Agreement::vouching,
+/// Agreement::movers). Does nothing to the paper's own registration. \param standings  of `measured`, in order, before
+/// anybody was heard
+void hear_neighbours(std::span<const SubmapNode> nodes, std::span<const Standing> standings,
+                     const CheckOptions& options, std::deque<PairMeasurement>& measured);
 
-/// Each pair alone, then those once more whose neighbours, believed alone, have something to say (`hear_neighbours`,
-/// which leaves it in `evidence`). \return the verdicts, in order of `measured`.
-[[nodiscard]] std::vector<PairVerdict> judge_among_neighbours(std::span<const SubmapNode> nodes,
-                                                              std::span<const PairMeasurement> measured,
-                                                              const MapNull& null, const CheckOptions& options,
-                                                              std::span<PairEvidence> evidence);
+/// Each pair alone, then those once more whose neighbours, believed alone, have something to say (`hear_neighbours`).
+/// \return the verdicts, in order of `measured`.
+[[nodiscard]] std::vector<PairVerdict> judge_among_neighbours(std::span<const SubmapNode> nodes, const MapNull& null,
+                                                              const CheckOptions& options,
+                                                              std::deque<PairMeasurement>& measured);
 
 }  // namespace kilter

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include <span>
+#include <deque>
 #include <utility>
 #include <vector>
 
@@ -45,21 +45,20 @@ PairMeasurement moved(const std::vector<SubmapNode>& nodes, int source, int targ
 }
 
 // What is heard of each pair, in order: those that vouch, and those that would move it.
-std::vector<std::pair<int, int>> heard(const std::vector<SubmapNode>& nodes,
-                                       const std::vector<PairMeasurement>& measured,
+std::vector<std::pair<int, int>> heard(const std::vector<SubmapNode>& nodes, std::deque<PairMeasurement> measured,
                                        const std::vector<Standing>& standings, const CheckOptions& options = {}) {
-  std::vector<PairEvidence> evidence;
-  for (const PairMeasurement& pair : measured) evidence.push_back(pair.evidence);
-  hear_neighbours(nodes, measured, standings, options, evidence);
+  hear_neighbours(nodes, standings, options, measured);
   std::vector<std::pair<int, int>> said;
-  for (const PairEvidence& pair : evidence) said.emplace_back(pair.agreement.vouching, pair.agreement.movers);
+  for (const PairMeasurement& pair : measured) {
+    said.emplace_back(pair.evidence.agreement.vouching, pair.evidence.agreement.movers);
+  }
   return said;
 }
 
 TEST(HearNeighbours, OfDoubtedPairsAndOfThoseThatWereNotRegistered) {
   const std::vector<SubmapNode> nodes = two_journeys();
-  std::vector<PairMeasurement> measured = {moved(nodes, 3, 0, 2.0), moved(nodes, 4, 0, 2.0), moved(nodes, 4, 1, 2.0),
-                                           moved(nodes, 5, 1, 2.0), moved(nodes, 3, 1, 0.0)};
+  std::deque<PairMeasurement> measured = {moved(nodes, 3, 0, 2.0), moved(nodes, 4, 0, 2.0), moved(nodes, 4, 1, 2.0),
+                                          moved(nodes, 5, 1, 2.0), moved(nodes, 3, 1, 0.0)};
   PairEvidence& failed = measured.back().evidence;
   failed.registered.reset();
   failed.registration->stop = StopReason::kTooFewMatches;
@@ -79,13 +78,12 @@ TEST(HearNeighbours, OfDoubtedPairsAndOfThoseThatWereNotRegistered) {
 
 TEST(JudgeAmongNeighbours, TwoThatAreBelievedDecideTheOneBetweenThem) {
   const std::vector<SubmapNode> nodes = two_journeys();
-  std::vector<PairMeasurement> measured = {moved(nodes, 3, 0, 2.0), moved(nodes, 4, 1, 2.0), moved(nodes, 4, 0, 2.0)};
+  std::deque<PairMeasurement> measured = {moved(nodes, 3, 0, 2.0), moved(nodes, 4, 1, 2.0), moved(nodes, 4, 0, 2.0)};
   RegistrationResult& doubted = *measured.back().evidence.registration;
   doubted.support_end = doubted.support_start;
-  const auto judged = [&](std::size_t count) {
-    std::vector<PairEvidence> evidence;
-    for (std::size_t i = 0; i < count; ++i) evidence.push_back(measured[measured.size() - count + i].evidence);
-    return judge_among_neighbours(nodes, std::span(measured).last(count), {}, {}, evidence);
+  const auto judged = [&](std::ptrdiff_t count) {
+    std::deque<PairMeasurement> last(measured.end() - count, measured.end());
+    return judge_among_neighbours(nodes, {}, {}, last);
   };
   EXPECT_FALSE(judged(1)[0].p_value);
   EXPECT_FALSE(judged(2)[1].p_value) << "one side alone";

@@ -86,7 +86,7 @@ struct MapNull {
   std::size_t pairs_with_free = 0;  ///< and behind conflict
 };
 
-[[nodiscard]] MapNull estimate_null(std::span<const PairEvidence> pairs);
+[[nodiscard]] MapNull estimate_null(std::span<const PairEvidence* const> pairs);
 
 /// First judge: the displacement found by registration against the tolerance, believed only if registration made the
 /// pair agree better and left no more conflict than other pairs of the map show (steps F10-F12). Where it cannot be

@@ -11,6 +11,12 @@ namespace {
 using testing::kNull;
 using testing::pair_moved;
 
+MapNull null_of(const std::vector<PairEvidence>& pairs) {
+  std::vector<const PairEvidence*> all;
+  for (const PairEvidence& pair : pairs) all.push_back(&pair);
+  return estimate_null(all);
+}
+
 TEST(JudgePairByGamma, FollowsThePapersTestAndVerification) {
   const auto verdict_at = [](double gamma, double theta, double offset_m) {
     PairEvidence pair = pair_moved(offset_m, 0.01);
@@ -81,7 +87,8 @@ TEST(EstimateNull, OfNothingIsNotHeldAgainstAnything) {
   failed.map.score.emplace().log10_gamma = 2.3;
   failed.registration->stop = StopReason::kTooFewMatches;
   failed.registered.reset();
-  const PairVerdict verdict = judge_pair(failed, estimate_null(std::vector{failed}), {});
+  const PairEvidence* const only = &failed;
+  const PairVerdict verdict = judge_pair(failed, estimate_null(std::vector{only}), {});
   EXPECT_EQ(verdict.evidence.at("log10_gamma").value, 2.3);
   EXPECT_FALSE(verdict.evidence.at("log10_gamma").null) << "0 is a value";
   ASSERT_TRUE(verdict.evidence.at("conflict").value);
@@ -95,7 +102,7 @@ TEST(EstimateNull, SurvivesAFifthOfBadSequentialPairs) {
     if (i % 5 == 0) pair.registered->conflict = {{1000, 500}, {1000, 500}};
     pairs.push_back(pair);
   }
-  EXPECT_NEAR(estimate_null(pairs).conflict, 0.02, 1e-12);
+  EXPECT_NEAR(null_of(pairs).conflict, 0.02, 1e-12);
 }
 
 // One pair, or two, are in line with themselves, however far apart.
@@ -106,14 +113,14 @@ TEST(JudgePairByGamma, NeedsOthersToCompareWith) {
     pair.map.score.emplace().log10_gamma = i == 2 ? 1.0 : 2.0 + 0.01 * i;
     pair.registered->score.emplace().log10_gamma = 2.1;
     pairs.push_back(pair);
-    const MapNull null = estimate_null(pairs);
+    const MapNull null = null_of(pairs);
     EXPECT_EQ(null.pairs, pairs.size());
     const PairVerdict first = judge_pair_by_gamma(pairs.front(), null);
     EXPECT_EQ(first.verdict, i < 3 ? Verdict::kUnverified : Verdict::kConsistent);
     EXPECT_TRUE(first.offset_m);
     EXPECT_EQ(first.reason.find("too few to compare it with") != std::string::npos, i < 3) << first.reason;
   }
-  EXPECT_EQ(judge_pair_by_gamma(pairs[1], estimate_null(pairs)).verdict, Verdict::kInconsistent);
+  EXPECT_EQ(judge_pair_by_gamma(pairs[1], null_of(pairs)).verdict, Verdict::kInconsistent);
 }
 
 // Two storeys of one plan, one laid on the other: nothing else in the map says that 40 % of conflict is much.
@@ -121,10 +128,10 @@ TEST(EstimateNull, OfFewPairsTakesNoMoreConflictForTypicalThanOtherMapsHave) {
   PairEvidence storeys = pair_moved(0.01, 0.01);
   storeys.map.conflict = storeys.registered->conflict = {{1000, 400}, {1000, 400}};
   std::vector<PairEvidence> pairs = {storeys};
-  EXPECT_NE(judge_pair(storeys, estimate_null(pairs), {}).verdict, Verdict::kConsistent);
+  EXPECT_NE(judge_pair(storeys, null_of(pairs), {}).verdict, Verdict::kConsistent);
   for (int i = 2; i <= 8; ++i) pairs.push_back(pair_moved(0.01, 0.01, PairKind::kGlobal, i));
-  EXPECT_NEAR(estimate_null(pairs).conflict, 0.02, 1e-12);
-  EXPECT_NE(judge_pair(storeys, estimate_null(pairs), {}).verdict, Verdict::kConsistent);
+  EXPECT_NEAR(null_of(pairs).conflict, 0.02, 1e-12);
+  EXPECT_NE(judge_pair(storeys, null_of(pairs), {}).verdict, Verdict::kConsistent);
 }
 
 }  // namespace

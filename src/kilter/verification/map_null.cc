@@ -48,23 +48,23 @@ Typical lower_quarter_of(std::vector<double> values) {
 
 }  // namespace
 
-MapNull estimate_null(std::span<const PairEvidence> pairs) {
-  const auto registered_sequential = std::count_if(pairs.begin(), pairs.end(), [](const PairEvidence& pair) {
-    return pair.registered && pair.kind == PairKind::kSequential;
+MapNull estimate_null(std::span<const PairEvidence* const> pairs) {
+  const auto registered_sequential = std::count_if(pairs.begin(), pairs.end(), [](const PairEvidence* pair) {
+    return pair->registered && pair->kind == PairKind::kSequential;
   });
   std::vector<double> gammas;
   std::vector<double> thetas;
   std::vector<double> conflicts;
   MapNull null;
-  for (const PairEvidence& pair : pairs) {
-    if (!pair.registered || (registered_sequential >= 2 && pair.kind != PairKind::kSequential)) continue;
-    if (pair.map.score && pair.map.score->log10_gamma) gammas.push_back(*pair.map.score->log10_gamma);
-    const std::optional<PairScore>& theta = pair.registered->score;
+  for (const PairEvidence* pair : pairs) {
+    if (!pair->registered || (registered_sequential >= 2 && pair->kind != PairKind::kSequential)) continue;
+    if (pair->map.score && pair->map.score->log10_gamma) gammas.push_back(*pair->map.score->log10_gamma);
+    const std::optional<PairScore>& theta = pair->registered->score;
     if (theta && theta->log10_gamma) thetas.push_back(*theta->log10_gamma);
   }
-  for (const PairEvidence& pair : pairs) {
-    if (pair.registered && pair.registered->conflict.known() > 0) {
-      conflicts.push_back(pair.registered->conflict.share());
+  for (const PairEvidence* pair : pairs) {
+    if (pair->registered && pair->registered->conflict.known() > 0) {
+      conflicts.push_back(pair->registered->conflict.share());
     }
   }
   null.pairs = gammas.size();
