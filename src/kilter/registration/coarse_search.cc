@@ -7,6 +7,9 @@
 #include <cmath>
 #include <numbers>
 #include <span>
+#include <utility>
+
+#include "kilter/registration/best_moves.h"
 
 namespace kilter {
 namespace {
@@ -207,13 +210,6 @@ Sample sample_of(const VoxelMap& map, const Eigen::Isometry3d& T_up_source) {
   return sample;
 }
 
-// A shift in cells and a turn in steps.
-struct Move {
-  Vector3i cells = Vector3i::Zero();
-  int turn = 0;
-  double score = 0.0;
-};
-
 std::vector<SamplePoint> turned(const std::vector<SamplePoint>& points, const Vector3d& middle_m, double angle_rad) {
   const Eigen::AngleAxisd rotation(angle_rad, Vector3d::UnitZ());
   std::vector<SamplePoint> out = points;
@@ -243,40 +239,9 @@ std::vector<Vector3i> cells_of(const WorthGrid& grid, const std::vector<SamplePo
   return cells;
 }
 
-bool before(const Move& a, const Move& b) {
-  if (a.score != b.score) return a.score > b.score;
-  // Nearer first, then any fixed order.
-  const auto key = [](const Move& m) {
-    return std::array<int, 5>{m.cells.squaredNorm() + m.turn * m.turn, m.cells.x(), m.cells.y(), m.cells.z(), m.turn};
-  };
-  return key(a) < key(b);
-}
-
-// How near another move has to be to be taken for the same, in cells and steps.
-struct Nearness {
-  int cells = 1;
-  int turns = 2;
-};
-
 constexpr Nearness kSamePeak = {1, 2};
 // A descent from either would end in the same optimum: 0.8 m at voxels of 0.1 m.
 constexpr Nearness kSameBasin = {2, 3};
-
-// Best first, none near a better one.
-std::vector<Move> peaks(std::vector<Move> moves, std::size_t keep, const Nearness& nearness) {
-  std::sort(moves.begin(), moves.end(), before);
-  std::vector<Move> kept;
-  for (const Move& move : moves) {
-    const bool beside = std::any_of(kept.begin(), kept.end(), [&](const Move& better) {
-      return (move.cells - better.cells).cwiseAbs().maxCoeff() <= nearness.cells &&
-             std::abs(move.turn - better.turn) <= nearness.turns;
-    });
-    if (beside) continue;
-    kept.push_back(move);
-    if (kept.size() == keep) break;
-  }
-  return kept;
-}
 
 }  // namespace
 
@@ -296,7 +261,7 @@ std::vector<CoarsePose> coarse_search(const VoxelMap& source, const VoxelMap& ta
   const double turn_rad = cell_m / std::max(1.5 * sample.radius_m, 4.0 * cell_m);
   const int turns = static_cast<int>(std::ceil(range.rotation_rad / turn_rad));
 
-  std::vector<Move> moves;
+  BestMoves best(kLookedAtTwice, kSamePeak);
   std::vector<double> scores;
   for (int turn = -turns; turn <= turns; ++turn) {
     const std::vector<SamplePoint> points = turned(sample.upright, sample.middle_m, turn * turn_rad);
@@ -311,12 +276,12 @@ std::vector<CoarsePose> coarse_search(const VoxelMap& source, const VoxelMap& ta
       score_row(grid.upright, cells, points, {-side, y, 0}, scores);
       for (int x = -side; x <= side; ++x) {
         const int number = x + side;
-        moves.push_back({{x, y, 0}, turn, scores[static_cast<std::size_t>(number)]});
+        best.offer({{x, y, 0}, turn, scores[static_cast<std::size_t>(number)]});
       }
     }
   }
   std::vector<Move> closer;
-  for (const Move& move : peaks(std::move(moves), kLookedAtTwice, kSamePeak)) {
+  for (const Move& move : best.peaks()) {
     const std::vector<SamplePoint> upright = turned(sample.upright, sample.middle_m, move.turn * turn_rad);
     const std::vector<SamplePoint> level = turned(sample.level, sample.middle_m, move.turn * turn_rad);
     const std::vector<Vector3i> upright_cells = cells_of(grid.upright, upright);

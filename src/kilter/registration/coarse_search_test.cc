@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "kilter/occupancy/map_builder.h"
+#include "testing/allocation_watch.h"
 #include "testing/scenes.h"
 
 namespace kilter {
@@ -86,6 +87,16 @@ TEST(CoarseSearch, TheVerticalMayLieAnywhereInTheTarget) {
     nearest_m = std::min(nearest_m, (truth.inverse() * pose.T_target_source).translation_m().norm());
   }
   EXPECT_LT(nearest_m, 0.6);
+}
+
+// A million moves are looked at here, and a handful returned.
+TEST(CoarseSearch, MemoryDoesNotGrowWithTheRange) {
+  const SubmapPair views = room_pair();
+  kilter_testing::largest_allocation() = 0;
+  const auto poses = coarse_search(views.source.map, views.target.map, views.T_target_source, {20.0, 0.5, 3.1},
+                                   Eigen::Vector3d::UnitZ(), 6);
+  EXPECT_LT(kilter_testing::largest_allocation(), 500'000U);
+  EXPECT_EQ(poses.size(), 6U);
 }
 
 TEST(CoarseSearch, EmptyMapsGiveNothing) {
