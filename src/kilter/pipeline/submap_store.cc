@@ -168,22 +168,23 @@ Expected<bool> SubmapStore::make_room(Lock& lock, std::size_t needed, std::span<
   const auto victim =
       std::find_if(unused_.begin(), unused_.end(), [&](std::size_t number) { return !holds(kept, number); });
   if (victim != unused_.end()) {
-    put_out(lock, *victim);
+    put_out(lock, *victim, needed);
   } else if (needed == 0) {
     return true;  // what is over the limit is in use
   } else if (in_use_ > 0) {
     changed_.wait(lock);
   } else if (!unused_.empty()) {
-    put_out(lock, unused_.front());  // it has grown since it came, and fits beside the other one when it comes again
+    // It has grown since it came, and fits beside the other one when it comes again.
+    put_out(lock, unused_.front(), needed);
   } else {
     fail_all(too_large(needed));
   }
   return false;
 }
 
-void SubmapStore::put_out(Lock& lock, std::size_t number) {
+void SubmapStore::put_out(Lock& lock, std::size_t number, std::size_t needed) {
   Entry& entry = entries_[number];
-  if (!entry.spilled && limits_.spill == nullptr) return fail_all(too_large(used_bytes_));
+  if (!entry.spilled && limits_.spill == nullptr) return fail_all(too_large(used_bytes_ + needed));
   unused_.erase(entry.unused);
   if (!entry.spilled) {
     entry.going = true;

@@ -101,7 +101,8 @@ class SubmapStore {
   // Whether `needed` bytes are free, or none are needed and all that is held beyond the limit is in use. If not, puts
   // one submap out or waits for a change; then look again, all may differ.
   Expected<bool> make_room(Lock& lock, std::size_t needed, std::span<const std::size_t> kept);
-  void put_out(Lock& lock, std::size_t number);
+  // So that there is room for `needed` bytes.
+  void put_out(Lock& lock, std::size_t number, std::size_t needed);
   void bring_in(Lock& lock, std::size_t number);
   [[nodiscard]] bool fits(std::size_t needed) const;
   [[nodiscard]] Error too_large(std::size_t needed) const;

@@ -130,7 +130,28 @@ TEST(SubmapStore, APairBeyondTheLimitIsRefused) {
 TEST(SubmapStore, WithoutSpillSpaceAllMustFit) {
   SubmapStore store(3, {}, {2 * size_of(3), nullptr});
   fill(store, 2);
-  EXPECT_EQ(store.add({2}, wall(2)).error().code, ErrorCode::kOutOfMemory);
+  const auto refused = store.add({2}, wall(2));
+  ASSERT_FALSE(refused.has_value());
+  EXPECT_EQ(refused.error().code, ErrorCode::kOutOfMemory);
+  const std::size_t all = size_of(0) + size_of(1) + size_of(2);
+  EXPECT_EQ(refused.error().message,
+            exceeds_memory("submaps that must be in memory together need at least", all, 2 * size_of(3)).message);
+}
+
+TEST(SubmapStore, WithoutSpillSpaceWhatGrewIsToldWithItsSize) {
+  SubmapStore store(2, {}, {size_of(0) + size_of(1) + 3000, nullptr});
+  fill(store, 2);
+  std::size_t all = size_of(1);
+  {
+    const auto map = store.pin(SubmapId{0});
+    for (int x = -8; x < 8; ++x) (void)(*map)->by_centroid().field()->near({0.1 * x, 1.0, 1.0});
+    all += (*map)->bytes();
+  }
+  const auto refused = store.pin(SubmapId{1});
+  ASSERT_FALSE(refused.has_value());
+  EXPECT_EQ(refused.error().message,
+            exceeds_memory("submaps that must be in memory together need at least", all, size_of(0) + size_of(1) + 3000)
+                .message);
 }
 
 TEST(SubmapStore, SaysThatTheDiskIsFullAndThatBytesCameBackWrong) {
