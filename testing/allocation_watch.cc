@@ -4,16 +4,19 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <limits>
 #include <new>
 
 namespace {
 
 thread_local std::size_t largest = 0;
+thread_local std::size_t left = std::numeric_limits<std::size_t>::max();
 
 void* allocate(std::size_t size) {
   largest = std::max(largest, size);
   // Refused here, since sanitizers stop the program where a plain malloc says no.
-  if (size > std::size_t{1} << 40) return nullptr;
+  if (size > std::size_t{1} << 40 || left == 0) return nullptr;
+  --left;
   return std::malloc(size == 0 ? 1 : size);
 }
 
@@ -22,6 +25,7 @@ void* allocate(std::size_t size) {
 namespace kilter_testing {
 
 std::size_t& largest_allocation() { return largest; }
+std::size_t& allocations_left() { return left; }
 
 }  // namespace kilter_testing
 

@@ -10,4 +10,8 @@ namespace kilter_testing {
 /// program that links allocation_watch.cc counts; it replaces the global operators.
 std::size_t& largest_allocation();
 
+/// How many blocks this thread may still ask `operator new` for before it is refused all; free to set, endless at
+/// first.
+std::size_t& allocations_left();
+
 }  // namespace kilter_testing

@@ -63,7 +63,11 @@ PinnedMap::~PinnedMap() {
 }
 
 SubmapStore::SubmapStore(std::size_t count, const SearchSetup& setup, const StoreLimits& limits)
-    : setup_(setup), limits_(limits), entries_(count) {}
+    : setup_(setup), limits_(limits), entries_(count), no_memory_(no_memory()) {
+  for (std::size_t number = 0; number < count; ++number) {
+    entries_[number].place = others_.insert(others_.end(), number);
+  }
+}
 
 bool SubmapStore::fits(std::size_t needed) const {
   return limits_.memory_bytes == 0 || used_bytes_ + needed <= limits_.memory_bytes;
@@ -92,7 +96,7 @@ Expected<void> SubmapStore::add(SubmapId id, VoxelMap map) {
   entry.map = std::move(searchable);
   entry.bytes = entry.fresh_bytes = bytes;
   used_bytes_ += bytes;
-  entry.unused = unused_.insert(unused_.end(), number_of(id));
+  keep_unused(entry);
   return {};
 }
 
@@ -111,6 +115,8 @@ Expected<PinnedPair> SubmapStore::pin(PairId pair) {
 
 // All or nothing: a thread that held one of a pair while it waited for the other could wait for ever.
 Expected<void> SubmapStore::acquire(std::span<const std::size_t> numbers) {
+  std::vector<std::size_t> missing;
+  missing.reserve(numbers.size());  // nothing may fail between the promise to bring a map and bringing it
   Lock lock(mutex_);
   while (true) {
     std::size_t needed = 0;
@@ -128,10 +134,9 @@ Expected<void> SubmapStore::acquire(std::span<const std::size_t> numbers) {
     if (!room) return pass_up(room.error());
     if (*room) break;
   }
-  std::vector<std::size_t> missing;
   for (const std::size_t number : numbers) {
     Entry& entry = entries_[number];
-    if (entry.map != nullptr && entry.pins == 0) unused_.erase(entry.unused);
+    if (entry.map != nullptr && entry.pins == 0) take_unused(entry);
     ++entry.pins;
     ++in_use_;
     if (entry.map != nullptr || entry.coming) continue;
@@ -153,7 +158,7 @@ void SubmapStore::release(std::size_t number) {
   Entry& entry = entries_[number];
   --in_use_;
   if (--entry.pins == 0) {
-    entry.unused = unused_.insert(unused_.end(), number);
+    keep_unused(entry);
     // Searches may have grown while they were asked.
     const std::size_t bytes = entry.map->bytes();
     used_bytes_ += bytes - entry.bytes;
@@ -185,23 +190,24 @@ Expected<bool> SubmapStore::make_room(Lock& lock, std::size_t needed, std::span<
 void SubmapStore::put_out(Lock& lock, std::size_t number, std::size_t needed) {
   Entry& entry = entries_[number];
   if (!entry.spilled && limits_.spill == nullptr) return fail_all(too_large(used_bytes_ + needed));
-  unused_.erase(entry.unused);
+  take_unused(entry);
   if (!entry.spilled) {
     entry.going = true;
     ++in_use_;
     const VoxelMap& map = entry.map->map();
     lock.unlock();
-    Expected<SpillPlace> place = fail(ErrorCode::kOutOfMemory, {});
+    std::optional<Expected<SpillPlace>> place;
     try {
       place = limits_.spill->write(bytes_of_map(map)).map_error(spill_error);
     } catch (const std::bad_alloc&) {
-      place = tl::unexpected<Error>(no_memory());
+      place.reset();
     }
     lock.lock();
     --in_use_;
     entry.going = false;
-    if (!place) return fail_all(std::move(place.error()));
-    entry.spilled = *place;
+    if (!place) return fail_all(std::move(no_memory_));
+    if (!*place) return fail_all(std::move(place->error()));
+    entry.spilled = **place;
   }
   used_bytes_ -= entry.bytes;
   bytes_since_trim_ += entry.bytes;
@@ -221,17 +227,18 @@ void SubmapStore::bring_in(Lock& lock, std::size_t number) {
   const SpillPlace place = *entry.spilled;
   ++in_use_;
   lock.unlock();
-  Expected<std::unique_ptr<const SearchableMap>> map = fail(ErrorCode::kOutOfMemory, {});
+  std::optional<Expected<std::unique_ptr<const SearchableMap>>> map;
   try {
     map = read_again(place);
   } catch (const std::bad_alloc&) {
-    map = tl::unexpected<Error>(no_memory());
+    map.reset();
   }
   lock.lock();
   --in_use_;
   entry.coming = false;
-  if (!map) return fail_all(std::move(map.error()));
-  entry.map = *std::move(map);
+  if (!map) return fail_all(std::move(no_memory_));
+  if (!*map) return fail_all(std::move(map->error()));
+  entry.map = std::move(**map);
   changed_.notify_all();
 }
 

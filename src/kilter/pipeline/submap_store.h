@@ -91,9 +91,9 @@ class SubmapStore {
     std::size_t fresh_bytes = 0;               // what it takes before anybody has searched in it
     std::optional<SpillPlace> spilled;
     int pins = 0;
-    bool coming = false;                        // one thread reads it
-    bool going = false;                         // one thread writes it
-    std::list<std::size_t>::iterator unused{};  // its place in unused_, while held without pins
+    bool coming = false;                       // one thread reads it
+    bool going = false;                        // one thread writes it
+    std::list<std::size_t>::iterator place{};  // in unused_ or others_, for good
   };
 
   Expected<void> acquire(std::span<const std::size_t> numbers);
@@ -108,6 +108,8 @@ class SubmapStore {
   [[nodiscard]] Error too_large(std::size_t needed) const;
   [[nodiscard]] Expected<std::unique_ptr<const SearchableMap>> read_again(const SpillPlace& place) const;
   void fail_all(Error error);
+  void keep_unused(Entry& entry) noexcept { unused_.splice(unused_.end(), others_, entry.place); }
+  void take_unused(Entry& entry) noexcept { others_.splice(others_.end(), unused_, entry.place); }
 
   SearchSetup setup_;
   StoreLimits limits_;
@@ -115,10 +117,12 @@ class SubmapStore {
   std::condition_variable changed_;
   std::vector<Entry> entries_;
   std::list<std::size_t> unused_;     // held without pins, the least recently used first
+  std::list<std::size_t> others_;     // all others: nothing is allocated where a number changes lists
   std::size_t used_bytes_ = 0;        // of all that is held, comes or goes
   std::size_t bytes_since_trim_ = 0;  // put out since freed pages were last given back
   int in_use_ = 0;                    // pins, and entries that come or go
   std::optional<Error> failure_;
+  Error no_memory_;  // made beforehand, when there is some
 };
 
 }  // namespace kilter

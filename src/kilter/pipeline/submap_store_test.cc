@@ -5,12 +5,19 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <chrono>
 #include <cstring>
+#include <functional>
+#include <future>
+#include <limits>
+#include <memory>
 #include <mutex>
+#include <new>
 #include <thread>
 
 #include "kilter/occupancy/map_builder.h"
 #include "kilter/occupancy/voxel_map_bytes.h"
+#include "testing/allocation_watch.h"
 #include "testing/memory_spill.h"
 
 namespace kilter {
@@ -152,6 +159,78 @@ TEST(SubmapStore, WithoutSpillSpaceWhatGrewIsToldWithItsSize) {
   EXPECT_EQ(refused.error().message,
             exceeds_memory("submaps that must be in memory together need at least", all, size_of(0) + size_of(1) + 3000)
                 .message);
+}
+
+// Runs what asks for memory with 0, 1, 2 ... blocks to be had, until it has enough. \return how often it had not.
+std::size_t starve(const std::function<bool(std::size_t blocks)>& attempt) {
+  for (std::size_t blocks = 0; blocks < 100'000; ++blocks) {
+    if (attempt(blocks)) return blocks;
+  }
+  ADD_FAILURE() << "never enough";
+  return 0;
+}
+
+// Whether `act` came to its end with that many blocks.
+bool has_enough(std::size_t blocks, const std::function<void()>& act) {
+  kilter_testing::allocations_left() = blocks;
+  bool enough = true;
+  try {
+    act();
+  } catch (const std::bad_alloc&) {
+    enough = false;
+  }
+  kilter_testing::allocations_left() = std::numeric_limits<std::size_t>::max();
+  return enough;
+}
+
+// Whether another thread that asks for the map is answered, one way or the other.
+bool answers_others(const std::shared_ptr<SubmapStore>& store, SubmapId id) {
+  auto asked = std::make_shared<std::promise<void>>();
+  std::future<void> answered = asked->get_future();
+  // Alone with what it uses, for it may wait for ever.
+  std::thread([store, id, asked] {
+    (void)store->pin(id);
+    asked->set_value();
+  }).detach();
+  return answered.wait_for(std::chrono::seconds(20)) == std::future_status::ready;
+}
+
+TEST(SubmapStoreWithoutMemory, AddsAllOrNothing) {
+  const std::size_t tries = starve([](std::size_t blocks) {
+    MemorySpill spill;
+    SubmapStore store(2, {}, {size_of(1) + 10, &spill});
+    VoxelMap map = wall(0);
+    const bool enough = has_enough(blocks, [&] { (void)store.add({0}, std::move(map)); });
+    EXPECT_TRUE(enough || store.add({0}, wall(0)).has_value());
+    EXPECT_TRUE(store.add({1}, wall(1)).has_value());  // for which the first goes out
+    EXPECT_EQ(spill.written(), 1U);
+    return enough;
+  });
+  EXPECT_GT(tries, 2U);
+}
+
+TEST(SubmapStoreWithoutMemory, NobodyWaitsForWhatADisappointedThreadWasToBring) {
+  const std::size_t tries = starve([](std::size_t blocks) {
+    const auto spill = std::make_shared<MemorySpill>();
+    const std::shared_ptr<SubmapStore> store(new SubmapStore(3, {}, {size_of(1) + size_of(2) + 10, spill.get()}),
+                                             [spill](const SubmapStore* gone) { delete gone; });
+    fill(*store, 3);  // 0 is out, and 1 or 2 has to go for it
+    bool got = false;
+    const bool enough = has_enough(blocks, [&] { got = store->pin(PairId{{0}, {1}}).has_value(); });
+    EXPECT_TRUE(answers_others(store, {0})) << "after " << blocks << " blocks";
+    return ::testing::Test::HasFailure() || (enough && got);
+  });
+  EXPECT_GT(tries, 5U);
+}
+
+TEST(SubmapStoreWithoutMemory, APinIsLetGo) {
+  MemorySpill spill;
+  SubmapStore store(2, {}, {size_of(1) + 10, &spill});
+  fill(store, 1);
+  std::optional<PinnedMap> map(*store.pin(SubmapId{0}));
+  EXPECT_TRUE(has_enough(0, [&] { map.reset(); }));
+  EXPECT_TRUE(store.add({1}, wall(1)).has_value());
+  EXPECT_EQ(spill.written(), 1U);
 }
 
 TEST(SubmapStore, SaysThatTheDiskIsFullAndThatBytesCameBackWrong) {
