@@ -108,8 +108,10 @@ std::vector<CandidatePair> propose_pairs(std::span<const SubmapNode> nodes, std:
     // The other way round too: which of the two comes first must not decide whether a pair is looked at.
     const CoarseOverlap backward =
         best_coarse_overlap(maps[target], maps[source], T_target_source.inverse(), pair.drift_allowance_m);
-    pair.predicted_overlap = std::max(forward.overlap, backward.overlap);
-    pair.predicted_shift_m = forward.shift_m;
+    const bool back = backward.overlap > forward.overlap;
+    pair.predicted_overlap = back ? backward.overlap : forward.overlap;
+    // To move the target one way in the source's frame is to move the source the other way.
+    pair.predicted_shift_m = back ? Eigen::Vector3d(-(T_target_source.rotation() * backward.shift_m)) : forward.shift_m;
     pair.predicted_enough = enough(forward) || enough(backward);
   });
   return pairs;

@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <numbers>
+
 #include "kilter/occupancy/map_builder.h"
 #include "kilter/pairing/coarse_overlap.h"
 
@@ -98,6 +100,51 @@ TEST(CoarseOverlap, SeesAWallBesideAWall) {
   const CoarseOverlap doubled =
       coarse_overlap(seen, seen, Pose3::from_translation(0.2, 0.0, 0.0), Eigen::Vector3d::Zero());
   EXPECT_GT(doubled.overlap, 0.9);
+}
+
+// A tall post, 0.4 m wide.
+void add_post(double x_m, double y_m, std::vector<Eigen::Vector3d>& points) {
+  for (int z = 0; z < 60; ++z) {
+    for (int x = 0; x < 4; ++x) points.emplace_back(x_m + 0.1 * x + 0.03, y_m, 0.1 * z + 0.05);
+  }
+}
+
+VoxelMap map_of(const std::vector<Eigen::Vector3d>& points) {
+  MapBuilder builder({.resolution_m = 0.1});
+  builder.insert_points(points);
+  return builder.finish();
+}
+
+// Most of the source meets the kerb when moved one way, most of the target the source's post when moved the other way.
+TEST(ProposePairs, TheShiftIsTheOneWhoseOverlapIsTold) {
+  std::vector<Submap> submaps = {submap_at(0, 0, 0, 0.0, 0.0), submap_at(1, 1, 0, 0.0, 400.0)};
+  std::vector<Eigen::Vector3d> kerb;
+  for (int x = 0; x < 60; ++x) kerb.emplace_back(0.1 * x + 0.03, 0.02, 0.05);
+  add_post(2.8, 6.02, kerb);
+  submaps[0].map = map_of(kerb);
+  std::vector<Eigen::Vector3d> floor;
+  for (int x = 0; x < 60; ++x) {
+    for (int y = 0; y < 60; ++y) floor.emplace_back(0.1 * x + 0.03, 0.1 * y + 0.04, 0.05);
+  }
+  add_post(2.8, 3.02, floor);
+  const Pose3 quarter(Eigen::Quaterniond(Eigen::AngleAxisd(0.5 * std::numbers::pi, Eigen::Vector3d::UnitZ())),
+                      Eigen::Vector3d::Zero());
+  for (Eigen::Vector3d& point : floor) point = quarter.inverse() * point;
+  submaps[1].map = map_of(floor);
+  submaps[1].T_world_submap = quarter;
+
+  const std::vector<CandidatePair> proposal = propose(submaps);
+  ASSERT_EQ(proposal.size(), 1U);
+  const Eigen::Vector3d shift_m = proposal[0].predicted_shift_m;
+  const CoarseMap source(submaps[1].map, kMaxCoarseCells);
+  const CoarseMap target(submaps[0].map, kMaxCoarseCells);
+  const CoarseOverlap forward = best_coarse_overlap(source, target, quarter, proposal[0].drift_allowance_m);
+  ASSERT_LT(forward.overlap, proposal[0].predicted_overlap);
+  ASSERT_LT(forward.shift_m.y(), -2.0);
+  EXPECT_GT(shift_m.y(), 2.0) << shift_m.transpose();
+  const Pose3 moved = Pose3::from_translation(shift_m.x(), shift_m.y(), shift_m.z()) * quarter;
+  EXPECT_NEAR(coarse_overlap(target, source, moved.inverse(), Eigen::Vector3d::Zero()).overlap,
+              proposal[0].predicted_overlap, 1e-9);
 }
 
 TEST(ProposePairs, SequentialPairsAreListedEvenWithoutOverlapOrPoints) {
