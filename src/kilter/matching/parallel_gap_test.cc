@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <utility>
+
 #include "testing/scenes.h"
 
 namespace kilter {
@@ -70,11 +72,17 @@ TEST(MeasureParallelGap, DoesNotTakeTheTwoSidesOfAWallForTwoWalls) {
                           {{-6.0, 4.0, 0.0}, {6.0, 4.2, 3.0}}};
   const Pose3 west = pose_at(-3.0, 0.3, 1.0, 0.2);
   const Pose3 east = pose_at(3.0, -0.4, 1.1, 0.5);
-  const auto gap = measure_parallel_gap(submap_of(rooms, {east}, east, 2).map, submap_of(rooms, {west}, west, 1).map,
-                                        west.inverse() * east);
-  if (gap) {
-    EXPECT_LT(gap->gap_m, 0.02);
-  }
+  const VoxelMap source = submap_of(rooms, {east}, east, 2).map;
+  const VoxelMap target = submap_of(rooms, {west}, west, 1).map;
+  const Pose3 T = west.inverse() * east;
+  EXPECT_FALSE(measure_parallel_gap(source, target, T)) << "they have nothing else in common";
+  SurfaceVoxels voxels = source.voxels();
+  for (std::size_t i = 0; i < voxels.size(); ++i) voxels.normals[i] = -voxels.normals[i];
+  const VoxelMap turned(source.resolution_m(), true, {source.blocks().begin(), source.blocks().end()},
+                        std::move(voxels));
+  const auto gap = measure_parallel_gap(turned, target, T);
+  ASSERT_TRUE(gap) << "if they faced the same way";
+  EXPECT_NEAR(gap->gap_m, 0.16, 0.01);
 }
 
 TEST(MeasureParallelGap, MeasuresPointsAloneToo) {

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "kilter/pipeline/check.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -113,14 +114,39 @@ TEST(Check, APairPushedApartIsNeverConsistent) {
   }
 }
 
+// To the bit.
+void expect_same(const PairResult& a, const PairResult& b) {
+  SCOPED_TRACE(fmt::format("{} {}", a.id.source.value, a.id.target.value));
+  EXPECT_EQ(a.id, b.id);
+  EXPECT_EQ(a.verdict.reason, b.verdict.reason);
+  EXPECT_EQ(a.verdict.offset_m, b.verdict.offset_m);
+  EXPECT_EQ(a.verdict.offset_interval_m, b.verdict.offset_interval_m);
+  EXPECT_EQ(a.verdict.p_value, b.verdict.p_value);
+  EXPECT_EQ(a.verdict.p_inconsistent, b.verdict.p_inconsistent);
+  ASSERT_EQ(a.verdict.evidence.size(), b.verdict.evidence.size());
+  for (const auto& [name, of_a] : a.verdict.evidence) {
+    const auto of_b = b.verdict.evidence.find(name);
+    ASSERT_NE(of_b, b.verdict.evidence.end()) << name;
+    EXPECT_EQ(of_a.value, of_b->second.value) << name;
+    EXPECT_EQ(of_a.null, of_b->second.null) << name;
+    EXPECT_EQ(of_a.log_ratio, of_b->second.log_ratio) << name;
+  }
+  EXPECT_EQ(a.verified, b.verified);
+  ASSERT_TRUE(a.covariance.has_value());
+  EXPECT_EQ(a.covariance, b.covariance);
+}
+
 TEST(Check, ThreadsChangeNothing) {
   const auto one = check(two_robots(Pose3::from_translation(0.1, 0.1, 0.0)), small_submaps(), {}, {.threads = 1});
   const auto three = check(two_robots(Pose3::from_translation(0.1, 0.1, 0.0)), small_submaps(), {}, {.threads = 3});
+  ASSERT_TRUE(one.has_value());
+  ASSERT_TRUE(three.has_value());
+  EXPECT_EQ(one->system.reason, three->system.reason);
+  EXPECT_EQ(one->system.certificate_m, three->system.certificate_m);
+  EXPECT_EQ(one->cycles.covariance_scale, three->cycles.covariance_scale);
+  ASSERT_FALSE(one->pairs.empty());
   ASSERT_EQ(one->pairs.size(), three->pairs.size());
-  for (std::size_t i = 0; i < one->pairs.size(); ++i) {
-    EXPECT_EQ(one->pairs[i].verdict.offset_m, three->pairs[i].verdict.offset_m);
-    EXPECT_EQ(one->pairs[i].verified, three->pairs[i].verified);
-  }
+  for (std::size_t i = 0; i < one->pairs.size(); ++i) expect_same(one->pairs[i], three->pairs[i]);
 }
 
 TEST(Check, SwappingRobotNamesTransposesPairsAndKeepsVerdicts) {

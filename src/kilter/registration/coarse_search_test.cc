@@ -58,6 +58,7 @@ TEST(CoarseSearch, NoTwoPosesLieInOneBasin) {
   const SubmapPair views = room_pair();
   const auto poses = coarse_search(views.source.map, views.target.map, views.T_target_source, {5.0, 0.5, 0.35},
                                    Eigen::Vector3d::UnitZ(), 10);
+  ASSERT_EQ(poses.size(), 10U);
   for (std::size_t i = 0; i < poses.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {
       const Pose3 apart = poses[i].T_target_source.inverse() * poses[j].T_target_source;

@@ -21,17 +21,21 @@ TEST(SumJacobians, EveryPathGivesTheSameBits) {
   }
   const Eigen::Vector3d centre_m(1.25, -3.5, 0.7);
   Matrix6 information = Matrix6::Zero();
+  Vector6 gradient = Vector6::Zero();
   for (const PlaneResidual& r : residuals) {
     const Vector6 j = plain_jacobian(r, centre_m);
     information += r.weight * j * j.transpose();
+    gradient += r.weight * r.residual_m * j;
   }
   const JacobianSums baseline = sum_jacobians_with(VectorPath::kBaseline)(residuals, centre_m);
   EXPECT_TRUE(baseline.information.isApprox(information, 1e-12));
+  EXPECT_TRUE(baseline.gradient.isApprox(gradient, 1e-12));
   for (const VectorPath path : vector_paths()) {
     const JacobianSums sums = sum_jacobians_with(path)(residuals, centre_m);
     EXPECT_TRUE((sums.information.array() == baseline.information.array()).all());
     EXPECT_TRUE((sums.gradient.array() == baseline.gradient.array()).all());
-    EXPECT_TRUE(sum_jacobians_with(path)({}, centre_m).information.isZero(0.0));
+    const JacobianSums nothing = sum_jacobians_with(path)({}, centre_m);
+    EXPECT_TRUE(nothing.information.isZero(0.0) && nothing.gradient.isZero(0.0));
   }
 }
 
