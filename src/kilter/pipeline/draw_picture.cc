@@ -16,7 +16,7 @@ namespace {
 // Points of a robot's path that are kept.
 constexpr std::size_t kMaxPathPoints = 4000;
 // Two submaps saw the same place where both have a surface in a cell this large. [m]
-constexpr double kPlace_m = 0.5;
+constexpr double kCommonCell_m = 0.5;
 
 std::vector<Eigen::Vector3d> thinned_path(const std::vector<Pose3>& T_world_cloud) {
   std::vector<Eigen::Vector3d> path;
@@ -176,7 +176,7 @@ Expected<void> draw_clouds(SubmapStore& store, const Result& result, const Pictu
 }
 
 std::uint64_t place_of(const Eigen::Vector3d& point_m) {
-  const Eigen::Array3d cell = (point_m / kPlace_m).array().floor() + double{1 << 20};
+  const Eigen::Array3d cell = (point_m / kCommonCell_m).array().floor() + double{1 << 20};
   const auto part = [](double value) {
     return static_cast<std::uint64_t>(std::clamp(value, 0.0, double{(1 << 21) - 1}));
   };

@@ -21,7 +21,6 @@ constexpr double kLeastPrior_m = 0.05;
 // Source voxels looked at to see whether a candidate is worth measuring.
 constexpr std::size_t kGlanceVoxels = 500;
 // Signs that registration ended in the wrong basin.
-constexpr double kKeptOverlap = 0.8;
 constexpr double kDoubtfulConflict = 0.03;
 constexpr double kFarMove_m = 0.3;
 
@@ -151,7 +150,7 @@ void measure_registered(PairSearches& pair, const CheckOptions& options, PairEvi
 bool basin_is_doubtful(const PairEvidence& evidence) {
   if (!evidence.registered) return true;
   const PoseEvidence& after = *evidence.registered;
-  if (after.overlap < kKeptOverlap * evidence.map.overlap) return true;
+  if (after.overlap < kOverlapKept * evidence.map.overlap) return true;
   if (after.conflict.share() > kDoubtfulConflict) return true;
   const Pose3 moved = evidence.registration->T_target_source_closest * evidence.T_target_source.inverse();
   const Eigen::Vector3d& centre_m = evidence.registration->centre_target_m;

@@ -172,7 +172,7 @@ RegistrationResult align_oicp(const NearestVoxelSearch& source, const NearestVox
     settled = small && search_m <= final_search_m ? settled + 1 : 0;
     if (step_m < kCreepVoxels * resolution_m) search_m = std::max(search_m * kShrink, final_search_m);
   }
-  if (overlap_at(source, target, T, options.search_distance_m) < 0.8 * start_overlap) {
+  if (overlap_at(source, target, T, options.search_distance_m) < kOverlapKept * start_overlap) {
     result.stop = StopReason::kOverlapLost;
     return result;
   }

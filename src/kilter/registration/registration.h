@@ -34,6 +34,9 @@ struct RegistrationOptions {
 
 [[nodiscard]] std::vector<OptionField> fields(RegistrationOptions& options);
 
+/// Of the overlap at the map's pose, a fit that keeps less found something else.
+inline constexpr double kOverlapKept = 0.8;
+
 enum class StopReason {
   kConverged,
   kMaxIterations,  ///< still moving when iterations ran out

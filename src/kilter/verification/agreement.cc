@@ -15,8 +15,6 @@ constexpr double kSigmas = 2.0;
 constexpr double kInformative_m = 0.5;  // allowances below it always tell something
 constexpr double kInformativeShare = 0.5;
 constexpr double kSameShare = 0.5;  // of a move: what vouches for it is no farther from it
-constexpr int kSupported = 2;
-
 constexpr double kRounding_m = 1e-6;
 
 using Key = std::tuple<int, int, double>;

@@ -28,6 +28,9 @@ struct Correction {
   double weight = 1.0;  ///< 0..1: how unambiguous the registration is
 };
 
+/// A registration that so many around it agree with is supported.
+inline constexpr int kSupported = 2;
+
 /// How far the registrations around one pair ask for the same as its own.
 struct Agreement {
   int agreeing = 0;
@@ -108,8 +111,8 @@ enum class Standing {
                                const Correction& pair, double tolerance_m);
 
 /// Which correction a pair that is contradicted, or was never registered, should try: that of the best-supported
-/// neighbour (most agreeing weight, then the shortest way), as a number of the index; absent if no neighbour has two
-/// agreeing ones.
+/// neighbour (most agreeing weight, then the shortest way), as a number of the index; absent if no neighbour is
+/// supported.
 [[nodiscard]] std::optional<std::size_t> suggest_correction(const CorrectionIndex& index,
                                                             std::span<const Agreement> agreements,
                                                             const Correction& pair);

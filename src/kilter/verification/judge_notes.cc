@@ -12,8 +12,6 @@ namespace kilter {
 namespace {
 
 constexpr double kOnePercent = 2.5758;  // standard deviations that chance exceeds once in a hundred, either side
-// An ambiguous registration is believed if this many around it agree.
-constexpr int kSupported = 2;
 
 }  // namespace
 

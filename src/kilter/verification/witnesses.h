@@ -8,9 +8,6 @@
 // right. The pieces of judge_pair.
 namespace kilter {
 
-/// Of the overlap at the map's pose, a fit that keeps less found something else.
-inline constexpr double kOverlapKept = 0.8;
-
 /// A displacement of this p-value needs no other witness, and may vouch for others.
 inline constexpr double kSurely = 1e-4;
 
