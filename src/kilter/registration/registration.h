@@ -12,6 +12,7 @@
 #include "kilter/geometry/pose3.h"
 #include "kilter/matching/nearest_voxel.h"
 #include "kilter/registration/bend.h"
+#include "kilter/registration/common_places.h"
 
 namespace kilter {
 
@@ -76,6 +77,7 @@ struct RegistrationResult {
   /// scene does not fix hold the prior's variance.
   Matrix6 covariance = Matrix6::Zero();
   Eigen::Vector3d centre_target_m = Eigen::Vector3d::Zero();  ///< middle of the matched voxels, target frame
+  double place_m = kPlace_m;                                  ///< edge of a place (place_edge_m), for what is bent. [m]
   /// Mean of (p - centre) and of (p - centre)(p - centre)^T over the places that both saw (common_places; places_of
   /// where times are unknown), target axes. [m, m^2]
   Eigen::Vector3d places_arm_m = Eigen::Vector3d::Zero();

@@ -272,6 +272,18 @@ TEST(AlignSubmaps, KnowsWhatTheCellsHideThatPointsAreTheCentresOf) {
   EXPECT_GE(of_cells.covariance(2, 2), of_hits.covariance(2, 2));
 }
 
+TEST(AlignSubmaps, PlacesOfLargeVoxelsAreLarger) {
+  for (const auto& [resolution_m, place_m] : {std::pair(0.1, 0.3), std::pair(0.25, 0.5)}) {
+    MapBuilder builder({.resolution_m = resolution_m});
+    builder.insert_points(testing::scan(testing::furnished_room(), pose_at(6.03, 4.02, 1.04, 0.0), 0.0, 1));
+    const VoxelMap map = builder.finish();
+    const NearestVoxelSearch search(map, VoxelPosition::kCentroid, 1.0);
+    const RegistrationResult result = align_submaps(search, search, {}, {}, {});
+    ASSERT_TRUE(result.converged()) << to_string(result.stop);
+    EXPECT_EQ(result.place_m, place_m);
+  }
+}
+
 TEST(AlignSubmaps, OicpComesNearFromCloseStarts) {
   const SubmapPair pair = room_pair();
   const Pose3 start = pose_at(0.2, -0.1, 0.0, 0.02) * pair.T_target_source;

@@ -166,6 +166,7 @@ RegistrationResult settled_result(PlanePair& pair, const Pose3& start, Descent d
   result.covariance_cells = cell_covariance(look.residuals, look.equations, look.split, pair.grain.variance_m2);
   result.covariance_measured = plane_covariance(look.residuals, look.equations, look.split, result.bend) +
                                result.covariance_cells + result.bend.noise_share * motion * motion.transpose();
+  result.place_m = place_edge_m(pair.grain);
   describe_uncertainty(result.bend.places, look.equations, look.split, prior, result);
   return result;
 }

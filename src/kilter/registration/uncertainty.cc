@@ -68,7 +68,7 @@ Matrix6 constraint_covariance(const RegistrationResult& registration, bool rigid
   if (!rigid) {
     // A place has an extent, so the form has an inverse even where all of them lie on a line.
     Matrix6 M = displacement_form(registration.places_arm_m, registration.scatter_m2);
-    M.bottomRightCorner<3, 3>().diagonal().array() += kPlace_m * kPlace_m / 6.0;
+    M.bottomRightCorner<3, 3>().diagonal().array() += registration.place_m * registration.place_m / 6.0;
     covariance += std::pow(registration.bend.rms_m, 2) / 6.0 * M.ldlt().solve(Matrix6::Identity());
   }
   return covariance_in_source(covariance, registration.centre_target_m, registration.T_target_source);

@@ -55,6 +55,17 @@ TEST(ConstraintCovariance, PlacesOnALineLeaveTheTurnAroundItOpenAndNothingInfini
   EXPECT_GT(covariance(3, 3), 100.0 * covariance(5, 5));
 }
 
+// Places of coarse voxels are larger, and so is the radius that turns about their line are seen at.
+TEST(ConstraintCovariance, PlacesOnALineAreAsWideAsTheyAre) {
+  RegistrationResult registration = registration_bent(0.2);
+  registration.places_arm_m.setZero();
+  registration.scatter_m2 = Eigen::Vector3d(30.0, 0.0, 0.0).asDiagonal();
+  const auto turn_rad2 = [&] { return constraint_covariance(registration, false, 1.0)(3, 3) - 1e-6; };
+  EXPECT_NEAR(turn_rad2(), 0.04 / 6.0 / (0.09 / 6.0), 1e-9);
+  registration.place_m = 1.2;
+  EXPECT_NEAR(turn_rad2(), 0.04 / 6.0 / (1.44 / 6.0), 1e-9);
+}
+
 // In a silo nothing fixes the turn about its axis. It is named where the places are, not where the pose is fixed from.
 TEST(DescribeUncertainty, NamesTwistsAboutTheMiddleOfThePlaces) {
   const Eigen::Vector3d axis_m(10.0, 4.0, 0.0);
