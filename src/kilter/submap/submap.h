@@ -35,9 +35,6 @@ struct SubmapNode {
 /// A node with its piece of the world, as an occupancy map of its own.
 struct Submap : SubmapNode {
   VoxelMap map;  ///< in the submap's frame
-
-  /// Box around the occupied voxels, in the world frame. [m]
-  [[nodiscard]] Eigen::AlignedBox3d bounds_world_m() const { return moved_box(map.bounds_m(), T_world_submap); }
 };
 
 /// What stays of a robot once its submaps are built.
