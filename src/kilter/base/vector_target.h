@@ -3,7 +3,8 @@
 #pragma once
 
 // Functions between KILTER_BEGIN_TARGET("avx2") and KILTER_END_TARGET are compiled for the named instructions, on the
-// processors that the whole program is built for. Headers are included before the first.
+// processors that the whole program is built for. Headers are included before the first. What is named here,
+// vector_path.cc asks the processor for.
 #define KILTER_PRAGMA(text) _Pragma(#text)
 #if defined(__clang__)
 #define KILTER_BEGIN_TARGET(name) \
