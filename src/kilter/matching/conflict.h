@@ -42,9 +42,9 @@ struct ConflictSample {
 /// The cell and its six neighbours are free: nothing grazed it, nothing stands next to it.
 [[nodiscard]] bool is_free_with_neighbours(const VoxelMap& map, const VoxelIndex& voxel);
 
-/// Counts surface voxels (centroid known to be a surface: probability at least that of one hit) that fall where the
-/// other submap is free: the cell and its six neighbours free, and no surface near. Cells near a surface count as known
-/// but never as conflict, which leaves out grazing rays and the voxels just before a hit. O(voxels).
+/// Counts surface voxels (all that are occupied, by their centroids) that fall where the other submap is free: the
+/// cell and its six neighbours free, and no surface near. Cells near a surface count as known but never as conflict,
+/// which leaves out grazing rays and the voxels just before a hit. O(voxels).
 /// \param near  what lies within the margin of each voxel, between centroids at T_target_source.
 [[nodiscard]] ConflictSample measure_conflict(const VoxelMap& source, const VoxelMap& target,
                                               const Pose3& T_target_source, const NearestBothWays& near);

@@ -16,9 +16,10 @@ namespace kilter {
                                                       const RegistrationOptions& options,
                                                       const RegistrationPrior& prior);
 
-/// The second stage, for errors beyond the basin of the first: coarse_search over options.wide_translation_m and
-/// max_rotation_rad, a descent from the start and from each coarse pose, and the one whose planes support most voxels
-/// refined. Says in `ambiguity` how well the next best, distinct pose fits. About ten times the cost of the first.
+/// The second stage, for errors beyond the basin of the first: coarse_search over options.wide_translation_m, or
+/// the prior's translation if that is more, and max_rotation_rad; a descent from the start and from each coarse pose
+/// that scores at least 0.6 of the best; and the one of most worth refined. Says in `ambiguity` how well the next best,
+/// distinct pose fits. About ten times the cost of the first.
 [[nodiscard]] RegistrationResult align_widely(const NearestVoxelSearch& source, const NearestVoxelSearch& target,
                                               const Pose3& T_target_source_start, const RegistrationOptions& options,
                                               const RegistrationPrior& prior);

@@ -28,9 +28,9 @@ struct RegistrationOptions {
   int min_matches = 200;            ///< fewer correspondences, or fewer that fit at the end, are kTooFewMatches
   double search_distance_m = 1.0;   ///< correspondences of the first iterations may be this far. [m]
   double max_rotation_rad = 0.55;   ///< more than this from the start is refused. [rad]
-  int max_points = 6000;            ///< source voxels used while iterating (evenly picked)
+  int max_points = 6000;            ///< voxels of each submap used while iterating, up to twice as many; not OICP
   bool always_search = false;       ///< run the wide search even where the local one can be trusted; not a key
-  double wide_translation_m = 5.0;  ///< how far the wide search looks, 0 = never. [m]
+  double wide_translation_m = 5.0;  ///< how far the wide search looks, or the prior's if that is more; 0 = never. [m]
 };
 
 [[nodiscard]] std::vector<OptionField> fields(RegistrationOptions& options);
@@ -66,11 +66,11 @@ struct RegistrationResult {
   /// is taken by which the bend's square exceeds noise (Bend::noise_share).
   Pose3 T_target_source_closest;
   int iterations = 0;
-  std::size_t matches = 0;      ///< correspondences at the end, of all voxels (mean of both ways)
+  std::size_t matches = 0;      ///< correspondences at the end, of all voxels: mean of both ways; OICP: those it keeps
   double residual_rms_m = 0.0;  ///< robust-weighted, at the end. [m]
   /// Correspondences within a quarter voxel of their plane, of voxels that face the way from start to end (within 66
-  /// degrees), at the start and at the end: what the move has gained. OICP: all within half a voxel of their point.
-  /// Both ways.
+  /// degrees), both ways, at the start and at the end: what the move has gained. OICP: all voxels of the source within
+  /// half a voxel of their point.
   std::size_t support_start = 0;
   std::size_t support_end = 0;
   /// Row-major meaning: T_target_source * Exp(xi), xi = (x y z rx ry rz) in the source's frame. Directions that the
@@ -82,19 +82,21 @@ struct RegistrationResult {
   /// where times are unknown), target axes. [m, m^2]
   Eigen::Vector3d places_arm_m = Eigen::Vector3d::Zero();
   Eigen::Matrix3d scatter_m2 = Eigen::Matrix3d::Zero();
-  /// The same uncertainty as (v, w): p -> c + Exp(w) (p - c) + v about the centre, target axes; and the part of it
+  /// The same uncertainty as (v, w): p -> c + Exp(w) (p - c) + v about the centre c, target axes; and the part of it
   /// that was measured, zero along unobservable directions.
   Matrix6 covariance_centre = Matrix6::Zero();
   Matrix6 covariance_measured = Matrix6::Zero();
   /// The part of the measured one that comes from cells, where points are their centres (PairGrain); else zero.
   Matrix6 covariance_cells = Matrix6::Zero();
-  /// Unit twists about `centre_target_m` along the target's axes that the scene does not fix.
+  /// Unit twists about the middle of the places, centre_target_m + places_arm_m, along the target's axes, that the
+  /// scene does not fix. (covariance_centre and its parts are about centre_target_m.)
   std::vector<Vector6> unobservable;
   Bend bend;  ///< what still lies apart at the end, as far as planes at most search_distance_m from each other tell
   /// Not found from the map's pose but by the wide search, or where another pair's correction would put it.
   bool searched = false;
   /// Voxels that a plane supports where the search ended, before it settles, less what free-space conflict costs: what
-  /// the wide search ranks poses by, where that of the map's own basin counts for a fifth more. Known where it ran.
+  /// the wide search ranks poses by, where that of the map's own basin counts for a fifth more. Known where that or
+  /// align_near ran.
   double worth = 0.0;
   /// Worth (support less conflict) of the next best distinct pose as a share of the best, where the wide search found
   /// one: near 1, the pair fits as well elsewhere. Absent if the wide search did not run.

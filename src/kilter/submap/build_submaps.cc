@@ -154,7 +154,7 @@ Expected<std::vector<Submap>> build_submaps(const RobotLog& log, int robot_numbe
     if (failure.is_before(i)) return;
     Expected<Submap> submap = build_submap(log, (*plan)[i], options.occupancy, run);
     if (!submap) return failure.keep(i, submap.error());
-    submaps[i] = *std::move(submap);
+    submaps[i] = *std::move(submap);  // Eq. (1)
   });
   if (const auto done = failure.result(); !done) return pass_up(done.error());
   if (run.stop_requested()) return stopped();

@@ -52,7 +52,7 @@ std::vector<ScanRange> cut_trajectory(std::span<const Pose3> T_world_scan, const
   for (std::size_t i = 1; i < T_world_scan.size(); ++i) {
     const bool enough_scans = i - first >= static_cast<std::size_t>(options.min_scans);
     if (enough_scans && progress(path[i] - path[first], turning[i] - turning[first], options) >= kComplete) {
-      ranges.push_back({first, i - 1});
+      ranges.push_back({first, i - 1});  // Eq. (1)
       first = i;
     }
   }

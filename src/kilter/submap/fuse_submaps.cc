@@ -80,7 +80,7 @@ class Surfaces {
         sums_.back().robot = node.robot;
       }
       Sum& sum = sums_[place->second];
-      sum.log_odds += one.log_odds;
+      sum.log_odds += one.log_odds;  // Eq. (2)-(3)
       sum.centroids_world_m += one.centroid_world_m;
       ++sum.surfaces;
     }

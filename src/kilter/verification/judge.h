@@ -86,6 +86,7 @@ struct MapNull {
   std::size_t pairs_with_free = 0;  ///< and behind conflict
 };
 
+/// From the pairs that were registered; 0 is what none of them tells.
 [[nodiscard]] MapNull estimate_null(std::span<const PairEvidence* const> pairs);
 
 /// First judge: the displacement found by registration against the tolerance, believed only if registration made the
