@@ -212,7 +212,7 @@ TEST(JudgePair, WhereAnotherPoseFitsFarBetterTheMapIsWrongWhicheverIsRight) {
   EXPECT_TRUE(found.verdict.evidence.at("support").log_ratio);
   EXPECT_EQ(among(8).verdict.verdict, Verdict::kUnverified);
   EXPECT_FALSE(judged(pair_moved(0.6, 0.01)).verdict.evidence.at("support").log_ratio) << "where registration decides";
-  pair.registered->conflict = {{1000, 21}, {1000, 20}};
+  pair.registered->conflict = {{1000, 23}, {1000, 23}};
   pair.registration->support_end = 1000000;
   EXPECT_EQ(among(3).verdict.verdict, Verdict::kUnverified) << "the storey above fits, but in free space";
   pair.registered->conflict = pair.map.conflict;
@@ -281,6 +281,10 @@ TEST(JudgePair, AMoveThatFreeSpaceSpeaksAgainstHasToFitFarBetter) {
   PairEvidence pair = pair_moved(0.3, 0.01);
   pair.map.conflict = {{1000, 10}, {1000, 10}};
   pair.registered->conflict = {{1000, 12}, {1000, 12}};
+  PairEvidence stays = pair;  // the same things conflict here and there, give or take one in ten
+  stays.registered->conflict = {{1000, 11}, {1000, 11}};
+  stays.registration->support_end = stays.registration->support_start * 2;
+  EXPECT_EQ(verdict_of(stays), Verdict::kInconsistent);
   pair.registration->support_end = pair.registration->support_start * 2;
   EXPECT_EQ(verdict_of(pair), Verdict::kUnverified);
   EXPECT_NE(judged(pair).verdict.reason.find("conflicts more there"), std::string::npos) << judged(pair).verdict.reason;

@@ -24,7 +24,7 @@ inline constexpr double kMaxLogOdds = 1e6;
   return pair.registered->conflict.known() == 0;
 }
 
-/// Whether more of what both saw conflicts at the registered pose than at the map's. Precondition: as above.
+/// Whether clearly more of what both saw conflicts at the registered pose than at the map's. Precondition: as above.
 [[nodiscard]] bool conflict_grew(const PairEvidence& pair);
 
 /// Whether less than half of the voxels show a side that both saw, and hardly anything stands in space that the other
