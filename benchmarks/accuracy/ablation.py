@@ -50,7 +50,7 @@ def support_grew(row):
     if after > 1.5 * before:
         return False
     gone = before - after >= 0.002 and after <= 0.5 * before  # and not by chance, which result.json cannot tell
-    factor = 3.0 if after > before else 1.1 if gone else 1.3
+    factor = 3.0 if after > 1.1 * before else 1.1 if gone else 1.3
     return end - factor * start > 3.0 * math.sqrt(end + factor * factor * start)
 
 
@@ -66,7 +66,9 @@ def doubts(row):
         found.add("kept overlap")
     bent = (value(row, "bend_m") or 0.0) > TOLERANCE_M
     after, typical = value(row, "conflict_registered"), value(row, "conflict_registered", "null")
-    if after is not None and after > typical + 0.03 and (moved or not bent):
+    asked = not found  # a reason names the first doubt; how widely conflict is spread over the map it does not say
+    high = "still conflicts" in row["reason"] if asked else after is not None and after > typical + 0.03
+    if high and (moved or not bent):
         found.add("conflict once registered")
     if moved and not support_grew(row):
         found.add("gain of support")
