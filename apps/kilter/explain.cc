@@ -56,7 +56,7 @@ constexpr std::array kFindings = {
     Topic{"certificate",
           "`certificate_m`: the smallest X for which \"consistent to X m at 95 %\" can be said of the pairs that were "
           "decided. The pairs in `certificate_excludes` overlap too, but nothing can be said about them. There is none "
-          "where no decided pairs tie all robots together."},
+          "where decided pairs with a bound do not tie all submaps together."},
     Topic{
         "offset",
         "`offset_m`: how far apart the map puts the same place, RMS over the overlap, with its 95 % interval, "

@@ -135,6 +135,13 @@ Expected<Mission> open_mission(const std::vector<std::string>& sources, const Mi
                                           some_of(robot.links), robot.links.size() == 1 ? "leads" : "lead",
                                           robot.links.size() == 1 ? "is" : "are"));
     }
+    if (!robot.left_out.empty()) {
+      mission.notes.push_back(fmt::format(
+          "beside robot {}: {} {} of another kind than a robot's folder, and left out; name the robots one by one to "
+          "take {} too (NAME=PATH)",
+          robot.name, some_of(robot.left_out), robot.left_out.size() == 1 ? "is" : "are",
+          robot.left_out.size() == 1 ? "it" : "them"));
+    }
     count_in(*log, robot.kind->open == open_robot_folder, mission.sources[robot.source]);
     mission.robots.push_back(*std::move(log));
   }

@@ -20,9 +20,10 @@ std::vector<OptionField> fields(MatchingOptions& o) {
       real_option(
           "overlap_min", o.overlap_min, Unit::kRatio, 0.0, 1.0,
           "Matched fraction of the voxels inside the other submap's box, in the better direction, below which a pair "
-          "stays unverified."),
-      count_option("matched_min", o.matched_min, 2, 1000000000,
-                   "Matched voxels, of the submap that has fewer, below which a pair stays unverified."),
+          "is left alone, unless it would overlap as much moved by what odometry may have drifted."),
+      count_option(
+          "matched_min", o.matched_min, 2, 1000000000,
+          "Matched voxels, of the submap that has fewer, below which a pair is left alone, as with `overlap_min`."),
   };
 }
 

@@ -194,6 +194,7 @@ PairMeasurement measure_pair(const PlacedPair& maps, const CandidatePair& pair, 
   evidence.id = pair.id;
   evidence.kind = pair.kind;
   evidence.grain = grain_of(both.source.map(), both.target.map());
+  evidence.conflict_margin_m = conflict_margin_m(both.source_centroids.search(), both.target_centroids.search());
   evidence.T_target_source = maps.target.T_world_submap.inverse() * maps.source.T_world_submap;
   const bool always_listed = pair.kind == PairKind::kSequential || pair.predicted_enough;
   if (!always_listed && !could_pass_gate(both, evidence.T_target_source, options.matching)) {

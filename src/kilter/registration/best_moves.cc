@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdlib>
 
 namespace kilter {
@@ -22,8 +23,9 @@ std::vector<Move> peaks(std::vector<Move> moves, std::size_t keep, const Nearnes
   std::vector<Move> kept;
   for (const Move& move : moves) {
     const bool beside = std::any_of(kept.begin(), kept.end(), [&](const Move& better) {
+      const double turns = std::abs(move.turn - better.turn);
       return (move.cells - better.cells).cwiseAbs().maxCoeff() <= nearness.cells &&
-             std::abs(move.turn - better.turn) <= nearness.turns;
+             std::min(turns, nearness.circle - turns) <= nearness.turns;
     });
     if (beside) continue;
     kept.push_back(move);
@@ -33,10 +35,10 @@ std::vector<Move> peaks(std::vector<Move> moves, std::size_t keep, const Nearnes
 }
 
 // A peak hides no more moves than are near it, itself among them: before the last peak come at most those that the
-// others hide.
+// others hide. Where turns come round, steps need not: one more may lie near.
 BestMoves::BestMoves(std::size_t keep, const Nearness& nearness) : keep_(keep), nearness_(nearness) {
   const auto side = static_cast<std::size_t>(2 * nearness.cells + 1);
-  most_ = keep * side * side * static_cast<std::size_t>(2 * nearness.turns + 1);
+  most_ = keep * side * side * static_cast<std::size_t>(2 * nearness.turns + (std::isinf(nearness.circle) ? 1 : 2));
   best_.reserve(most_);
 }
 

@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <cstddef>
+#include <limits>
 #include <vector>
 
 namespace kilter {
@@ -22,6 +23,7 @@ struct Move {
 struct Nearness {
   int cells = 1;
   int turns = 2;
+  double circle = std::numeric_limits<double>::infinity();  ///< steps of a whole turn, after which turns come round
 };
 
 /// Best first, none near a better one. \param moves  in any order, each once

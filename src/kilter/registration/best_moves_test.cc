@@ -36,7 +36,7 @@ std::vector<Move> square(int reach, int levels, std::mt19937& random) {
 TEST(BestMoves, HaveThePeaksOfAllMovesInWhateverOrderTheyCome) {
   std::mt19937 random(7);
   for (const int levels : {1, 2, 5, 1'000'000}) {
-    for (const Nearness nearness : {Nearness{1, 2}, Nearness{0, 0}, Nearness{2, 1}}) {
+    for (const Nearness nearness : {Nearness{1, 2}, Nearness{0, 0}, Nearness{2, 1}, Nearness{1, 2, 19.2}}) {
       std::vector<Move> moves = square(9, levels, random);
       const std::vector<Row> of_all = rows(peaks(moves, 12, nearness));
       for (int round = 0; round < 3; ++round) {

@@ -239,9 +239,10 @@ std::vector<Vector3i> cells_of(const WorthGrid& grid, const std::vector<SamplePo
   return cells;
 }
 
-constexpr Nearness kSamePeak = {1, 2};
+// In cells and steps of turning; `circle` steps are a whole turn.
+Nearness same_peak(double circle) { return {1, 2, circle}; }
 // A descent from either would end in the same optimum: 0.8 m at voxels of 0.1 m.
-constexpr Nearness kSameBasin = {2, 3};
+Nearness same_basin(double circle) { return {2, 3, circle}; }
 
 }  // namespace
 
@@ -259,9 +260,10 @@ std::vector<CoarsePose> coarse_search(const VoxelMap& source, const VoxelMap& ta
   const Target grid = grid_of(target, R_up_target, box, cell_m);
   const int rise = static_cast<int>(std::ceil(range.vertical_m / cell_m));
   const double turn_rad = cell_m / std::max(1.5 * sample.radius_m, 4.0 * cell_m);
-  const int turns = static_cast<int>(std::ceil(range.rotation_rad / turn_rad));
+  const double circle = 2.0 * std::numbers::pi / turn_rad;
+  const int turns = static_cast<int>(std::min(std::ceil(range.rotation_rad / turn_rad), std::floor(0.5 * circle)));
 
-  BestMoves best(kLookedAtTwice, kSamePeak);
+  BestMoves best(kLookedAtTwice, same_peak(circle));
   std::vector<double> scores;
   for (int turn = -turns; turn <= turns; ++turn) {
     const std::vector<SamplePoint> points = turned(sample.upright, sample.middle_m, turn * turn_rad);
@@ -294,7 +296,7 @@ std::vector<CoarsePose> coarse_search(const VoxelMap& source, const VoxelMap& ta
     }
   }
   std::vector<CoarsePose> poses;
-  for (const Move& move : peaks(std::move(closer), static_cast<std::size_t>(keep), kSameBasin)) {
+  for (const Move& move : peaks(std::move(closer), static_cast<std::size_t>(keep), same_basin(circle))) {
     const Eigen::Quaterniond turn_up(Eigen::AngleAxisd(move.turn * turn_rad, Vector3d::UnitZ()));
     const Vector3d shift_m = cell_m * move.cells.cast<double>();
     const Pose3 moved_up(turn_up, sample.middle_m - turn_up * sample.middle_m + shift_m);

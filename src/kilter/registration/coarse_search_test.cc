@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <numbers>
 #include <tuple>
 #include <vector>
 
@@ -64,6 +65,20 @@ TEST(CoarseSearch, NoTwoPosesLieInOneBasin) {
       const Pose3 apart = poses[i].T_target_source.inverse() * poses[j].T_target_source;
       EXPECT_TRUE(apart.translation_m().norm() > 0.6 || apart.angle_rad() > 0.1) << i << " " << j;
     }
+  }
+}
+
+// Turns to either side meet behind: what lies there is one pose, and one start.
+TEST(CoarseSearch, AWholeTurnFindsWhatLiesBehindOnce) {
+  const SubmapPair views = room_pair();
+  const Pose3 start = views.T_target_source * pose_at(0.0, 0.0, 0.0, 3.1);
+  const auto poses = coarse_search(views.source.map, views.target.map, start, {1.0, 0.5, std::numbers::pi},
+                                   Eigen::Vector3d::UnitZ(), 6);
+  ASSERT_GE(poses.size(), 2U);
+  EXPECT_LT((views.T_target_source.inverse() * poses[0].T_target_source).angle_rad(), 0.1);
+  for (std::size_t i = 1; i < poses.size(); ++i) {
+    const Pose3 apart = poses[0].T_target_source.inverse() * poses[i].T_target_source;
+    EXPECT_TRUE(apart.translation_m().norm() > 0.6 || apart.angle_rad() > 0.1) << i;
   }
 }
 

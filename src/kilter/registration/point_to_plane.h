@@ -17,9 +17,9 @@ namespace kilter {
                                                       const RegistrationPrior& prior);
 
 /// The second stage, for errors beyond the basin of the first: coarse_search over options.wide_translation_m, or
-/// the prior's translation if that is more, and max_rotation_rad; a descent from the start and from each coarse pose
-/// that scores at least 0.6 of the best; and the one of most worth refined. Says in `ambiguity` how well the next best,
-/// distinct pose fits. About ten times the cost of the first.
+/// the prior's translation if that is more, but a metre up and down at most, and max_rotation_rad; a descent from the
+/// start and from each coarse pose that scores at least 0.6 of the best; and the one of most worth refined. Says in
+/// `ambiguity` how well the next best, distinct pose fits. About ten times the cost of the first.
 [[nodiscard]] RegistrationResult align_widely(const NearestVoxelSearch& source, const NearestVoxelSearch& target,
                                               const Pose3& T_target_source_start, const RegistrationOptions& options,
                                               const RegistrationPrior& prior);

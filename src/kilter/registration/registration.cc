@@ -14,9 +14,10 @@ std::vector<OptionField> fields(RegistrationOptions& o) {
       count_option("registration_iterations", o.max_iterations, 1, 10000, "Iterations after which alignment gives up."),
       real_option("registration_max_rotation", o.max_rotation_rad, Unit::kRadian, 0.0, 3.15,
                   "An alignment that turns farther than this from the map's pose is refused."),
-      real_option("registration_wide", o.wide_translation_m, Unit::kMetre, 0.0, 50.0,
-                  "How far from the map's pose a second, wide search looks where the first one cannot be trusted, or "
-                  "as far as odometry may have drifted, if that is more; 0 leaves it out."),
+      real_option(
+          "registration_wide", o.wide_translation_m, Unit::kMetre, 0.0, 50.0,
+          "How far from the map's pose a second, wide search looks where the first one cannot be trusted, or "
+          "as far as odometry may have drifted, if that is more, and 1 m up and down at most; 0 leaves it out."),
       count_option("registration_points", o.max_points, 100, 100000000,
                    "Voxels of each submap used while iterating, about; the end is judged on all of them."),
   };

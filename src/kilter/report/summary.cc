@@ -363,6 +363,9 @@ std::string next_step(const Result& result, const SummaryOptions& options, bool 
             "lower these, or take finer voxels (resolution)",
             result.too_little_overlap);
       }
+      if (result.submaps.size() < 2) {
+        return "one submap has nothing to be compared with: shorter submaps (submap_distance) make more of a short way";
+      }
       if (result.pairs.empty()) return "a map can only be compared with itself where it shows a place twice";
       return some_never_meet ? "send robots that never meet through a place that both see, or check them one by one"
                              : fmt::format("the column `reason` of {}/pairs.csv says what each pair lacks", folder);

@@ -286,7 +286,9 @@ TEST(Summary, RangesThatLeaveNothingOfARobotAreTheFirstThingToMend) {
 TEST(Summary, SaysSoWhenThereWasNothingToCompare) {
   const Result result = testing::result_of({{"a", 1}});
   EXPECT_THAT(summary(result), Not(HasSubstr("Pairs")));
-  EXPECT_THAT(summary(result), HasSubstr("Next        a map can only be compared with itself where"));
+  EXPECT_THAT(summary(result), HasSubstr("Next        one submap has nothing to be compared with: shorter submaps"));
+  EXPECT_THAT(summary(testing::result_of({{"a", 2}})),
+              HasSubstr("Next        a map can only be compared with itself where"));
 }
 
 TEST(Summary, ColoursOnlyWhenAskedAndOnlyTheVerdict) {

@@ -12,6 +12,8 @@ namespace kilter {
 namespace {
 
 constexpr std::size_t kEnoughCycles = 10;
+// Where more submaps see one place, each is asked with so many of them, evenly spaced: a median needs no more.
+constexpr std::size_t kMostPartners = 64;
 constexpr double kMedianPerDegree = 5.348 / 6.0;  // of chi-squared with 6 degrees of freedom
 
 struct Uncertain {
@@ -42,6 +44,17 @@ Neighbours neighbours_of(std::span<const RelativePose> poses) {
   return neighbours;
 }
 
+using Neighbour = const std::pair<const SubmapId, Uncertain>*;
+
+std::vector<Neighbour> later_partners(const SubmapId& of, const std::map<SubmapId, Uncertain>& neighbours) {
+  std::vector<Neighbour> later;
+  for (auto at = neighbours.upper_bound(of); at != neighbours.end(); ++at) later.push_back(&*at);
+  if (later.size() <= kMostPartners) return later;
+  std::vector<Neighbour> some;
+  for (std::size_t k = 0; k < kMostPartners; ++k) some.push_back(later[k * later.size() / kMostPartners]);
+  return some;
+}
+
 // Squares left over per degree of freedom; absent where the covariances leave no room to judge.
 std::optional<double> nees_of(const Uncertain& loop) {
   const Eigen::LDLT<Matrix6> factors(loop.covariance);
@@ -55,11 +68,12 @@ std::optional<double> nees_of(const Uncertain& loop) {
 
 CycleClosure close_cycles(std::span<const RelativePose> poses) {
   const Neighbours neighbours = neighbours_of(poses);
+  std::map<SubmapId, std::vector<Neighbour>> partners;
+  for (const auto& [a, of_a] : neighbours) partners[a] = later_partners(a, of_a);
   std::vector<double> squares;
   for (const auto& [a, of_a] : neighbours) {
-    for (auto b = of_a.upper_bound(a); b != of_a.end(); ++b) {
-      const auto& of_b = neighbours.at(b->first);
-      for (auto c = of_b.upper_bound(b->first); c != of_b.end(); ++c) {
+    for (const Neighbour b : partners.at(a)) {
+      for (const Neighbour c : partners.at(b->first)) {
         const auto back = of_a.find(c->first);
         if (back == of_a.end()) continue;
         if (auto nees = nees_of(chained(chained(b->second, c->second), inverse(back->second))))

@@ -60,10 +60,11 @@ struct CommonSurface {
 struct PairEvidence {
   PairId id;
   PairKind kind = PairKind::kSequential;
-  bool overlaps = false;  ///< passes the gates on matched count and fraction at the map's pose
-  std::string gate;       ///< what fails, if it does not overlap
-  Pose3 T_target_source;  ///< the map's
-  PairGrain grain;        ///< how finely their surfaces can be told apart
+  bool overlaps = false;           ///< passes the gates on matched count and fraction at the map's pose
+  std::string gate;                ///< what fails, if it does not overlap
+  Pose3 T_target_source;           ///< the map's
+  PairGrain grain;                 ///< how finely their surfaces can be told apart
+  double conflict_margin_m = 0.2;  ///< a surface of the other's this near is the same to free space
   PoseEvidence map;
   std::optional<CommonSurface> common;             ///< absent where points alone leave open which way surfaces face
   std::optional<ParallelGap> gap;                  ///< at the map's pose

@@ -4,7 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+#include <map>
+#include <set>
 
 #include "kilter/verification/judge.h"
 
@@ -31,6 +32,11 @@ std::string why_inconsistent(const PairVerdict& verdict, const JudgeOptions& opt
     return fmt::format(
         "{}, but with it parts of the overlap lie {:.1f} cm apart (RMS), {}: {} is bent, or slipped inside", offset,
         100.0 * *verdict.disagreement_m, above, verdict.bent);
+  }
+  // Where offset and bend are above only together, the reader has to be told of both.
+  if (interval[0] <= options.tolerance_m && *verdict.disagreement_m > 1.1 * *verdict.offset_m) {
+    return fmt::format("{}, and with what no rigid motion mends {:.1f} cm apart: {}", offset,
+                       100.0 * *verdict.disagreement_m, above);
   }
   if (verdict.rigid) return fmt::format("{}: {}", offset, above);
   return fmt::format("{}: {}; no rigid motion mends all of it, {} is bent, or slipped inside", offset, above,
@@ -162,25 +168,30 @@ std::string undecided(const DecidedShares& shares, const std::vector<JudgedPair>
   return {};
 }
 
-// Whether decided pairs lead from every robot to every other: where they do not, robots may lie anywhere.
-bool robots_are_tied(const std::vector<JudgedPair>& pairs, std::size_t robots) {
-  std::vector<std::size_t> tied_to(robots);
-  std::iota(tied_to.begin(), tied_to.end(), std::size_t{0});
-  const auto root = [&](int robot) {
-    auto at = static_cast<std::size_t>(robot);
-    while (tied_to[at] != at) at = tied_to[at] = tied_to[tied_to[at]];
+// Whether pairs that bound a disagreement lead from every submap to every other, and every robot has one: what they do
+// not lead to may lie anywhere.
+bool everything_is_tied(const std::vector<JudgedPair>& pairs, std::size_t robots) {
+  std::map<SubmapId, SubmapId> tied_to;
+  const auto root = [&](SubmapId at) {
+    while (tied_to.at(at) != at) at = tied_to.at(at) = tied_to.at(tied_to.at(at));
     return at;
   };
-  std::size_t parts = robots;
+  std::set<int> seen;
   for (const JudgedPair& pair : pairs) {
-    if (pair.verdict.verdict == Verdict::kUnverified) continue;
-    const std::size_t source = root(pair.source_robot);
-    const std::size_t target = root(pair.target_robot);
+    tied_to.try_emplace(pair.id.source, pair.id.source);
+    tied_to.try_emplace(pair.id.target, pair.id.target);
+    seen.insert({pair.source_robot, pair.target_robot});
+  }
+  std::size_t parts = tied_to.size();
+  for (const JudgedPair& pair : pairs) {
+    if (pair.verdict.verdict == Verdict::kUnverified || !pair.verdict.disagreement_most_m) continue;
+    const SubmapId source = root(pair.id.source);
+    const SubmapId target = root(pair.id.target);
     if (source == target) continue;
-    tied_to[source] = target;
+    tied_to.at(source) = target;
     --parts;
   }
-  return parts <= 1;
+  return parts <= 1 && seen.size() == robots;
 }
 
 // Upper 95 % bounds of all decided pairs, where they tie the map together; the others that overlap are named as
@@ -198,7 +209,7 @@ void certify(const std::vector<JudgedPair>& pairs, std::size_t robots, MapVerdic
     }
     map.certificate_m = std::max(map.certificate_m.value_or(0.0), *pair.verdict.disagreement_most_m);
   }
-  if (!robots_are_tied(pairs, robots)) map.certificate_m.reset();
+  if (!everything_is_tied(pairs, robots)) map.certificate_m.reset();
 }
 
 }  // namespace

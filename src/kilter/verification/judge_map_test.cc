@@ -65,6 +65,41 @@ TEST(JudgeMap, RobotsThatMeetButShowTooLittleAreNotSaidNeverToMeet) {
   EXPECT_EQ(map.reason, "robots a and b never show enough of the same place");
 }
 
+// Free space says that the places of two robots differ, and nothing bounds by how much.
+TEST(JudgeMap, CertifiesNothingOfRobotsThatOnlyAPairWithoutABoundTies) {
+  std::vector<JudgedPair> pairs = {pair_apart(0.01, 0.01, PairKind::kSequential),
+                                   pair_apart(0.4, 0.01, PairKind::kGlobal, 2)};
+  EXPECT_TRUE(judge_map(pairs, kRobots, {}).certificate_m);
+  pairs[1].verdict.without_registration = "free space";
+  pairs[1].verdict.disagreement_most_m.reset();
+  const MapVerdict map = judge_map(pairs, kRobots, {});
+  EXPECT_EQ(map.state, MapState::kInconsistent);
+  EXPECT_FALSE(map.certificate_m);
+  EXPECT_EQ(map.certificate_excludes.size(), 1U);
+}
+
+// Two submaps whose pairs stay undecided may lie anywhere, though robots are tied by others.
+TEST(JudgeMap, CertifiesNothingOfSubmapsThatNothingTies) {
+  std::vector<JudgedPair> pairs = {pair_apart(0.01, 0.01, PairKind::kSequential),
+                                   pair_apart(0.03, 0.01, PairKind::kGlobal, 2),
+                                   pair_apart(0.05, 0.2, PairKind::kLocal, 3)};
+  const MapVerdict map = judge_map(pairs, kRobots, {});
+  EXPECT_EQ(map.unverified, 1U);
+  EXPECT_FALSE(map.certificate_m);
+}
+
+// An offset just above the tolerance, and a bend just below it.
+TEST(JudgeMap, SaysThatOffsetAndBendAreAboveTheToleranceTogether) {
+  PairEvidence pair = testing::pair_moved(0.105, 0.01);
+  pair.registration->bend.rms_m = 0.095;
+  pair.registration->bend.kind = BendKind::kSource;
+  std::vector<JudgedPair> pairs = {testing::judged(pair)};
+  (void)judge_map(pairs, kRobots, {});
+  ASSERT_EQ(pairs[0].verdict.verdict, Verdict::kInconsistent);
+  EXPECT_NE(pairs[0].verdict.reason.find("and with what no rigid motion mends 14.2 cm apart: above"), std::string::npos)
+      << pairs[0].verdict.reason;
+}
+
 TEST(JudgeMap, EnoughDecidedPairsMakeItConsistent) {
   std::vector<JudgedPair> pairs = {pair_apart(0.01, 0.01, PairKind::kSequential),
                                    pair_apart(0.03, 0.01, PairKind::kGlobal, 2)};

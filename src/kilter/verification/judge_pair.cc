@@ -164,8 +164,8 @@ std::string in_cm(double metres) { return fmt::format("{:.1f} cm", 100.0 * metre
 // What cells leave open, for the end of a reason; empty where points are means of hits.
 std::string left_open_by_cells(const PairEvidence& pair, const OffsetEstimate& offset) {
   if (pair.grain.cell_m == 0.0) return {};
-  return fmt::format("its points are the centres of cells of {:.4g} m, which leave {} open", pair.grain.cell_m,
-                     in_cm(offset.cells_sigma_m));
+  return fmt::format("its points are the centres of cells of {:.4g} m, which leave {} open (one sigma)",
+                     pair.grain.cell_m, in_cm(offset.cells_sigma_m));
 }
 
 // Whether most of what is not known of the offset is what cells hide.
@@ -266,16 +266,25 @@ PairVerdict judge_displacement(const PairEvidence& pair, const MapNull& null, co
         "{}, but few voxels show a side that both saw, and no free space speaks against the map: the places may differ",
         measured));
   } else if (beyond) {
-    verdict.reason = fmt::format(
-        "{}, {} apart with what no rigid motion mends: not told from the tolerance of {} over "
-        "the whole map",
-        measured, in_cm(*verdict.disagreement_m), in_cm(options.tolerance_m));
+    const std::string bent =
+        bend.rms_m > 0.1 * *verdict.disagreement_m
+            ? fmt::format(", {} apart with what no rigid motion mends", in_cm(*verdict.disagreement_m))
+            : std::string();
+    verdict.reason = fmt::format("{}{}: not told from the tolerance of {} over the whole map", measured, bent,
+                                 in_cm(options.tolerance_m));
     if (const std::string cells = left_open_by_cells(pair, offset); !cells.empty()) verdict.reason += "; " + cells;
   } else if (log_tails_with_hidden(disagreement_law(offset.measured, bend), disagreement_law(offset.with_prior, bend),
                                    options.tolerance_m)
                  .above <= std::log(kConsistentTail)) {
-    verdict.verdict = Verdict::kConsistent;
     verdict.reason = fmt::format("{}: below the tolerance of {}", measured, in_cm(options.tolerance_m));
+    if (*verdict.p_inconsistent <= kConsistentTail) {
+      verdict.verdict = Verdict::kConsistent;
+    } else {
+      verdict.reason += fmt::format(
+          ", but with {:.2g} of all pairs believed inconsistent before looking it is not "
+          "told from that: {:.2g} is left",
+          options.prior_inconsistent, *verdict.p_inconsistent);
+    }
   } else if (log_tails(disagreement_law(offset.measured, bend), options.tolerance_m).above <=
              std::log(kConsistentTail)) {
     verdict.reason = fmt::format("{}, but a direction that nothing in the scene fixes could hide {}", measured,

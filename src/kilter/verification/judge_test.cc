@@ -30,8 +30,19 @@ TEST(JudgePair, OffsetAgainstToleranceDecides) {
 PairEvidence cells_moved(double offset_m) {
   PairEvidence pair = pair_moved(offset_m, 0.1);
   pair.grain = {.edge_m = 0.5, .cell_m = 0.5, .variance_m2 = 0.25 / 6.0, .most_m = 0.5, .voxels_per_cell = 125.0};
+  pair.conflict_margin_m = 1.0;
   pair.registration->covariance_cells = pair.registration->covariance_measured;
   return pair;
+}
+
+// Cells larger than what searches reach: conflict was counted within that, and is tolerated by it.
+TEST(JudgePair, ConflictIsToleratedByTheMarginThatItWasCountedWith) {
+  PairEvidence pair = cells_moved(0.4);
+  pair.map.conflict = {{200000, 20000}, {200000, 20000}};
+  pair.registered->conflict = {{200000, 2000}, {200000, 2000}};
+  EXPECT_LT(*judged(pair, {.tolerance_m = 0.4}).verdict.p_value, 0.03);
+  pair.conflict_margin_m = 0.5;
+  EXPECT_GT(*judged(pair, {.tolerance_m = 0.4}).verdict.p_value, 0.03);
 }
 
 TEST(JudgePair, WhatCellsHideIsNeitherAFaultNorRuledOut) {
@@ -40,10 +51,34 @@ TEST(JudgePair, WhatCellsHideIsNeitherAFaultNorRuledOut) {
   EXPECT_EQ(verdict_of(cells_moved(0.1), {.tolerance_m = 0.5}), Verdict::kConsistent);
   const PairVerdict hidden = judge_pair(cells_moved(0.05), kNull, {});
   EXPECT_EQ(hidden.verdict, Verdict::kUnverified);
-  EXPECT_NE(hidden.reason.find("centres of cells of 0.5 m, which leave 17.3 cm open, too much for the tolerance"),
-            std::string::npos)
+  EXPECT_NE(
+      hidden.reason.find("centres of cells of 0.5 m, which leave 17.3 cm open (one sigma), too much for the tolerance"),
+      std::string::npos)
       << hidden.reason;
   EXPECT_NE(judge_pair(cells_moved(0.2), kNull, {}).reason.find("cells of 0.5 m"), std::string::npos);
+}
+
+TEST(JudgePair, NothingIsConsistentThatThePriorAndTheMeasurementLeaveLikelyNotTo) {
+  const PairEvidence pair = pair_moved(0.06, 0.02);
+  EXPECT_EQ(verdict_of(pair), Verdict::kConsistent);
+  const PairVerdict believed = judge_pair(pair, kNull, {.prior_inconsistent = 0.97});
+  EXPECT_GT(*believed.p_inconsistent, 0.05);
+  EXPECT_EQ(believed.verdict, Verdict::kUnverified);
+  EXPECT_NE(believed.reason.find("0.97 of all pairs"), std::string::npos) << believed.reason;
+}
+
+// A doubted move of 0.6 m, and free space that begins to speak of the map's pose, too.
+TEST(JudgePair, MoreThatConflictsNeverMakesItLessLikely) {
+  double last = 0.0;
+  for (std::size_t share = 0; share <= 400; share += 10) {
+    PairEvidence pair = pair_moved(0.6, 0.01);
+    pair.registration->ambiguity = 0.9;
+    pair.map.conflict = {{1000, share}, {1000, share}};
+    const double p = *judge_pair(pair, kNull, {}).p_inconsistent;
+    EXPECT_GE(p, last - 1e-12) << share;
+    last = p;
+  }
+  EXPECT_GT(last, 0.99);
 }
 
 TEST(JudgePair, OffsetIsReportedWhateverTheVerdict) {

@@ -16,9 +16,20 @@ namespace {
 // Two one-sided 5 % points of the normal law: told from zero at 5 %, found with 95 %.
 constexpr double kDetection = 1.6448536269514722 + 1.6448536269514722;
 
-OffsetEstimate::SquareLaw square_law(const Vector6& x, const Matrix6& M, const Matrix6& covariance) {
+// `square_m2` is what is known of it without noise.
+OffsetEstimate::SquareLaw square_law(double square_m2, const Vector6& x, const Matrix6& M, const Matrix6& covariance) {
   const Matrix6 MC = M * covariance;
-  return {x.dot(M * x) + MC.trace(), 2.0 * (MC * MC).trace() + 4.0 * x.dot(MC * (M * x))};
+  return {square_m2 + MC.trace(), 2.0 * (MC * MC).trace() + 4.0 * x.dot(MC * (M * x))};
+}
+
+// Mean over the places of |v + (I - R^T) a|^2, where the motion ends at each: v at the centre, a the place from there.
+// x^T M x is the same for small turns; of 30 degrees it may be a tenth short.
+double mean_square_m2(const Eigen::Vector3d& v_m, const Eigen::Quaterniond& R, const Eigen::Vector3d& arm_m,
+                      const Eigen::Matrix3d& scatter_m2) {
+  const Eigen::Matrix3d turn = Eigen::Matrix3d::Identity() - R.conjugate().toRotationMatrix();
+  const double square_m2 =
+      v_m.squaredNorm() + 2.0 * v_m.dot(turn * arm_m) + (turn * scatter_m2 * turn.transpose()).trace();
+  return std::max(square_m2, 0.0);
 }
 
 double largest_sigma_m(const Matrix6& M, const Matrix6& covariance) {
@@ -58,12 +69,14 @@ OffsetEstimate estimate_offset(const RegistrationResult& registration, const Pos
   x.tail<3>() = moved.log().tail<3>();
   const Matrix6 M = displacement_form(registration.places_arm_m, registration.scatter_m2);
   OffsetEstimate estimate;
-  estimate.offset_m = std::sqrt(x.dot(M * x));
+  const double square_m2 =
+      mean_square_m2(x.head<3>(), moved.rotation(), registration.places_arm_m, registration.scatter_m2);
+  estimate.offset_m = std::sqrt(square_m2);
   estimate.offset_rad = x.tail<3>().norm();
   const Eigen::Vector3d places_m = registration.centre_target_m + registration.places_arm_m;
   estimate.vector_m = places_m - moved.inverse() * places_m;
-  estimate.measured = square_law(x, M, registration.covariance_measured);
-  estimate.with_prior = square_law(x, M, registration.covariance_centre);
+  estimate.measured = square_law(square_m2, x, M, registration.covariance_measured);
+  estimate.with_prior = square_law(square_m2, x, M, registration.covariance_centre);
   const double largest_m = largest_sigma_m(M, registration.covariance_measured);
   const double along_m4 = x.dot(M * registration.covariance_measured * M * x);
   estimate.sigma_m = estimate.offset_m > 0.0 ? std::sqrt(std::max(along_m4, 0.0)) / estimate.offset_m : largest_m;

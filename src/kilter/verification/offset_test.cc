@@ -54,6 +54,24 @@ TEST(EstimateOffset, TheVectorIsExactForLargeTurns) {
   EXPECT_NEAR((moved.inverse() * place_m + estimate_offset(result, {}).vector_m - place_m).norm(), 0.0, 1e-12);
 }
 
+// Places beside the centre, a turn of 31 degrees: what each of eight moves, counted one by one.
+TEST(EstimateOffset, IsTheRootMeanSquareForLargeTurnsToo) {
+  const Pose3 moved(Eigen::Quaterniond(Eigen::AngleAxisd(0.55, Eigen::Vector3d::UnitZ())), {3.0, 0.4, -0.1});
+  RegistrationResult result = registered(moved, 0.01, 0.001);
+  result.scatter_m2.setZero();
+  double square_m2 = 0.0;
+  for (int corner = 0; corner < 8; ++corner) {
+    const Eigen::Vector3d arm_m(6.0 + ((corner & 1) - 0.5), (corner & 2) - 1.0, 0.25 * (corner & 4));
+    const Eigen::Vector3d place_m = result.centre_target_m + arm_m;
+    result.places_arm_m += arm_m / 8.0;
+    result.scatter_m2 += arm_m * arm_m.transpose() / 8.0;
+    square_m2 += (place_m - moved.inverse() * place_m).squaredNorm() / 8.0;
+  }
+  const OffsetEstimate offset = estimate_offset(result, {});
+  EXPECT_NEAR(offset.offset_m, std::sqrt(square_m2), 1e-9);
+  EXPECT_LE(offset.vector_m.norm(), offset.offset_m);
+}
+
 TEST(EstimateOffset, RotationCountsByTheSpreadOfThePlaces) {
   // Turn about the vertical through the overlap's centre: mean square arm from that axis is 9 + 4.
   const Eigen::Vector3d centre(5.0, 1.0, 0.5);

@@ -103,7 +103,7 @@ bool conflict_is_mended(const PairEvidence& pair) {
 // not those; and displacements are then spread no wider than a normal law is, which lies beyond the margin less often.
 // What the cells hide puts surfaces off on top of the disagreement.
 double tolerated_conflict(const PairEvidence& pair, double tolerance_m) {
-  const double margin_m = kConflictMarginVoxels * pair.grain.edge_m;
+  const double margin_m = pair.conflict_margin_m;
   const double apart_m = std::hypot(tolerance_m, pair.grain.sigma_m());
   const double whatever = std::pow(apart_m / margin_m, 2);
   if (conflict_is_mended(pair)) return std::min(whatever, 2.0 * std::exp(log_normal_tail(margin_m / apart_m)));
@@ -157,7 +157,8 @@ void let_free_space_speak(const PairEvidence& pair, const MapNull& null, const J
   if (verdict.p_value && *verdict.p_value <= p_value) return;
   const double log_ratio = std::min(log_normal_tail(-z) - log_normal_tail(z), kMaxLogOdds);
   verdict.evidence["conflict"].log_ratio = log_ratio;
-  set_posterior(log_ratio, options, verdict);
+  // It only speaks against the map: what registration says of that, doubted as it may be, is not taken back.
+  set_posterior(std::max(log_ratio, verdict.evidence["disagreement"].log_ratio.value_or(log_ratio)), options, verdict);
   decide_without_registration(
       p_value,
       fmt::format("{:.0f} % of what both saw conflicts as the map has it (typical of this map: {:.0f} %), and {} ({})",

@@ -72,7 +72,7 @@ Expected<FoundRobot> robot_from_path(const fs::path& path, const SourceKind& kin
                 fmt::format("this {}'s name cannot be a robot's: {}", is_file(path) ? "file" : "folder", *fault),
                 shown(path), "give the robot another name: NAME=PATH");
   }
-  return FoundRobot{name, path, &kind, {}, {}};
+  return FoundRobot{name, path, &kind, {}, {}, 0, {}};
 }
 
 tl::unexpected<Error> refuse_file(const fs::path& path) {
@@ -136,8 +136,13 @@ tl::unexpected<Error> refuse_neighbour(Error error) {
   return pass_up(std::move(error));
 }
 
+struct RobotsInside {
+  std::vector<Inside> robots;
+  std::vector<std::string> left_out;  // names of folders of other kinds than theirs
+};
+
 // Robot folders among a folder's folders; if there are none, folders of any other kind.
-Expected<std::vector<Inside>> robots_inside(const fs::path& folder) {
+Expected<RobotsInside> robots_inside(const fs::path& folder) {
   const auto names = list_folder(folder);
   if (!names) return pass_up(names.error());
   std::vector<fs::path> own;
@@ -151,17 +156,21 @@ Expected<std::vector<Inside>> robots_inside(const fs::path& folder) {
     const SourceKind* kind = recognise(folder / name);
     (kind == nullptr ? none : kind->open == open_robot_folder ? own : other).push_back(folder / name);
   }
-  if (!own.empty()) none.insert(none.end(), other.begin(), other.end());
+  std::vector<std::string> left_out;
+  if (!own.empty()) {
+    none.insert(none.end(), other.begin(), other.end());
+    for (const fs::path& path : other) left_out.push_back(path.filename().string());
+  }
   for (const fs::path& passed_over : none) {
     if (auto ok = check_holds_no_robot(passed_over); !ok) return refuse_neighbour(ok.error());
   }
-  return each_once(own.empty() ? other : own);
+  return RobotsInside{each_once(own.empty() ? other : own), std::move(left_out)};
 }
 
 bool is_mission(const fs::path& path) {
   if (!is_folder(path)) return false;
   const auto robots = robots_inside(path);
-  return robots && !robots->empty();
+  return robots && !robots->robots.empty();
 }
 
 // A bag, a tree, a whole map.
@@ -234,13 +243,14 @@ Expected<std::vector<FoundRobot>> robots_of_named(const std::string& name, const
     return fail(ErrorCode::kNotFound, "expected scans/ or submaps/ in it, or another kind of source, found neither",
                 shown(path), known_kinds());
   }
-  return std::vector<FoundRobot>{{name, path, kind, parts.topics, {}}};
+  return std::vector<FoundRobot>{{name, path, kind, parts.topics, {}, 0, {}}};
 }
 
 Expected<std::vector<FoundRobot>> robots_of_path(const PathAndTopics& parts) {
   const fs::path& path = parts.path;
   if (const auto type = type_at(path); !type) return pass_up(type.error());
   std::vector<Inside> candidates;
+  std::vector<std::string> left_out;
   if (recognise(path) != nullptr) {
     candidates.push_back({path, {}});
   } else if (!is_folder(path)) {
@@ -248,7 +258,8 @@ Expected<std::vector<FoundRobot>> robots_of_path(const PathAndTopics& parts) {
   } else {
     auto inside = robots_inside(path);
     if (!inside) return pass_up(inside.error());
-    candidates = *std::move(inside);
+    candidates = std::move(inside->robots);
+    left_out = std::move(inside->left_out);
   }
   if (candidates.empty()) {
     if (auto ok = check_holds_no_robot(path); !ok) return pass_up(ok.error());
@@ -262,6 +273,7 @@ Expected<std::vector<FoundRobot>> robots_of_path(const PathAndTopics& parts) {
     robot->topics = parts.topics;
     robots.push_back(*std::move(robot));
   }
+  robots.front().left_out = std::move(left_out);
   return robots;
 }
 

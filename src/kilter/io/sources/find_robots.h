@@ -20,6 +20,8 @@ struct FoundRobot {
   std::vector<std::string> topics;
   std::vector<std::string> links;  ///< beside it, which lead to it and are no robots of their own
   std::size_t source = 0;          ///< which one of the command line named it
+  /// Dumps of other programs in the folder that it was found in, which are left out for it. At a source's first robot.
+  std::vector<std::string> left_out;
 };
 
 /// "kilter reads a folder with poses.* and ...": everything that can be named.

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
 
 #include "kilter/io/byte_cursor.h"
 #include "kilter/io/file.h"
@@ -80,6 +81,20 @@ Expected<void> fill_from_graph(std::vector<HdlKeyFrame>& frames, const fs::path&
   return {};
 }
 
+// A scan whose key frame's file is gone has no pose.
+Expected<void> note_lost(const RobotLog& log, const fs::path& dump, std::vector<std::string>& notes) {
+  const auto names = list_numbered_folders(dump, kCloud);
+  if (!names) return pass_up(names.error());
+  std::vector<std::string> lost;
+  std::copy_if(names->begin(), names->end(), std::back_inserter(lost),
+               [&](const std::string& name) { return !is_file(dump / name / kData); });
+  if (lost.empty()) return {};
+  notes.push_back(fmt::format("robot {}: {} {} {} but no file `{}`, so no pose, and {} left out", log.name,
+                              some_of(lost), lost.size() == 1 ? "has a" : "have", kCloud, kData,
+                              lost.size() == 1 ? "is" : "are"));
+  return {};
+}
+
 // All from one frame: the map's and the odometry's must not be mixed.
 Expected<void> choose_poses(RobotLog& log, const KeyFrames& all, std::vector<std::string>& notes) {
   const auto lacking = std::find_if(all.frames.begin(), all.frames.end(), lacks_estimate);
@@ -147,6 +162,7 @@ Expected<RobotLog> open_hdl_dump(const SourceRequest& request, std::vector<std::
   if (log.stamps_ns.size() != all->frames.size()) log.stamps_ns.clear();
   if (!log.stamps_ns.empty()) log.stamp_unit = symbol_of(StampUnit::kNanoseconds);  // beside whole seconds
   log.clouds_found = log.poses_found = all->frames.size();
+  if (auto ok = note_lost(log, request.path, notes); !ok) return pass_up(ok.error());
   note_coarse_poses(log, "the files `data`", notes);
   std::vector<fs::path> clouds;
   for (const fs::path& folder : all->folders) clouds.push_back(folder / kCloud);

@@ -47,6 +47,16 @@ TEST(HdlDump, ReadsKeyFramesAtTheirEstimates) {
   EXPECT_EQ(notes_of(mission), "");
 }
 
+TEST(HdlDump, SaysWhichScansHaveLostTheirPose) {
+  const TempFolder folder;
+  write_dump(folder, 3);
+  std::filesystem::remove(folder.path() / "dump/000001/data");
+  const auto mission = open_source(folder.path() / "dump");
+  EXPECT_EQ(only_robot(mission, "hdl_graph_slam dump").T_world_cloud.size(), 2U);
+  EXPECT_NE(notes_of(mission).find("000001 has a cloud.pcd but no file `data`"), std::string::npos)
+      << notes_of(mission);
+}
+
 TEST(HdlDump, TakesTheVertexWhereThereIsNoEstimate) {
   const TempFolder folder;
   write_dump(folder, 2);
@@ -69,6 +79,18 @@ TEST(HdlDump, TakesOdometryForAllOrNoneAndSaysSo) {
   folder.write("dump/000000/data", KeyFrameText{.odom = ""}.str());
   expect_source_error(open_source(folder.path() / "dump"), ErrorCode::kParse,
                       "000001/data: no `estimate`, and no `odom` in");
+}
+
+// A mission of robots' folders, and another program's dump among them.
+TEST(HdlDump, BesideARobotsFolderIsLeftOutWithANote) {
+  const TempFolder folder;
+  write_dump(folder, 2);
+  folder.write("a/poses.txt", "0 0 0 0 0 0 0 1\n");
+  folder.write("a/scans/0.pcd", cloud_number(0));
+  const auto mission = open_source(folder.path());
+  ASSERT_TRUE(mission);
+  ASSERT_EQ(mission->robots.size(), 1U);
+  EXPECT_NE(notes_of(mission).find("beside robot a: dump is of another kind"), std::string::npos) << notes_of(mission);
 }
 
 TEST(HdlDump, SaysWhichFileIsWrongAndWhere) {
