@@ -62,7 +62,8 @@ class Help(unittest.TestCase):
 
     def test_what_was_meant_is_offered(self):
         for arguments, part in ((("chekc",), "kilter check"), (("check", "x", "--quite"), "--quiet"),
-                                (("explain", "parze"), "kilter explain parse"), (("config",), "kilter config --help"),
+                                (("explain", "parze"), "kilter explain parse"), (("explain", "tolerance"), "kilter config show"),
+                                (("config",), "kilter config --help"),
                                 (("config", "shwo"), "kilter config --help"),
                                 ((), "kilter --help")):
             run = run_kilter(*arguments)
@@ -205,7 +206,8 @@ class Explain(unittest.TestCase):
         self.assertIn("conflict_registered", evidence)
         others = ["offset_m", "offset_vector", "gap_m", "p_value", "p_inconsistent", "unobservable", "minimum_detectable_m",
                   "certificate_m", "certificate_excludes", "log_odds", "decided", "constraint", "cycles", "theta_oicp", "gamma_literal"]
-        for key in [name for name in evidence if name not in ("log10_gamma", "mean_distance_m")] + others:
+        others += ["overlap", "matched"]
+        for key in evidence + others:
             run = run_kilter("explain", key)
             self.assertEqual((run.status, run.stderr), (0, ""), key)
 

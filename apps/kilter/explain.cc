@@ -18,6 +18,7 @@
 #include "apps/kilter/terminal.h"
 #include "kilter/base/error_catalog.h"
 #include "kilter/io/oddity.h"
+#include "kilter/pipeline/check.h"
 #include "kilter/report/json_writer.h"
 #include "kilter/report/text_lines.h"
 
@@ -75,6 +76,14 @@ constexpr std::array kFindings = {
     Topic{"conflict",
           "Evidence: the share of what both submaps saw that is a surface to one and free space to the other, at the "
           "map's pose; `conflict_registered` is the same once registered. Beside them what is typical of this map."},
+    Topic{"overlap",
+          "`overlap` and `matched`: which share of the source's voxels, and how many, have one of the target's within "
+          "`d`. The gates `overlap_min` and `matched_min` take the better direction of the two for the share and the "
+          "worse for the number; evidence needs them, a verdict may also rest on where the pair would lie after a "
+          "drift."},
+    Topic{"mean-distance",
+          "Evidence `mean_distance_m`: how far the nearest voxel of the other submap is, mean over those that match, "
+          "both ways, at the map's pose and once registered."},
     Topic{"displacement", "Evidence: the offset alone, without the bend, beside the tolerance."},
     Topic{
         "disagreement",
@@ -131,7 +140,9 @@ Expected<std::vector<Topic>> chosen(std::string code) {
   for (char& letter : code) {
     letter = letter == '_' ? '-' : static_cast<char>(std::tolower(static_cast<unsigned char>(letter)));
   }
-  // Keys of the result are asked for as they stand there: offset_m, conflict_registered, theta_oicp.
+  // Keys of the result are asked for as they stand there: offset_m, conflict_registered, theta_oicp, log10_gamma.
+  if (code.starts_with("log10-")) code.erase(0, 6);
+  if (code == "matched") code = "overlap";
   for (const std::string_view end : {"-m", "-registered", "-excludes", "-literal", "-oicp", "-vector", "-rad"}) {
     if (code.size() > end.size() && code.ends_with(end)) code.resize(code.size() - end.size());
   }
@@ -139,6 +150,12 @@ Expected<std::vector<Topic>> chosen(std::string code) {
   for (const Topic& topic : all) {
     if (topic.name == code) return std::vector<Topic>{topic};
     names.emplace_back(topic.name);
+  }
+  CheckOptions keys;
+  for (const OptionField& key : fields(keys)) {
+    if (key.name != asked) continue;
+    return fail(ErrorCode::kUsage, fmt::format("\"{}\" is a key of the configuration: {}", asked, key.doc), {},
+                "kilter config show");
   }
   const std::string nearest = nearest_name(code, names);
   return fail(ErrorCode::kUsage, fmt::format("there is no code \"{}\"", printable(asked, 80)), {},

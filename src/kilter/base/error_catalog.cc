@@ -17,7 +17,8 @@ constexpr std::array kCatalog = {
                  "`kilter config show` lists every key with unit and range. Exit status 2."},
     CatalogEntry{ErrorCode::kNotFound, "not-found",
                  "A file or folder that was named, or that the layout of a mission requires, does not exist. A robot's "
-                 "folder holds `poses.*` and either `scans/` or `submaps/`. Exit status 3."},
+                 "folder holds `poses.*` and either `scans/` or `submaps/`. Exit status 3 for input, 5 for a folder to "
+                 "write to."},
     CatalogEntry{
         ErrorCode::kIo, "io",
         "The operating system refused to open, read, write or rename a file; its own reason is in the message. "

@@ -170,8 +170,10 @@ OptionField flag_option(std::string name, bool& value, std::string doc) {
 }
 
 std::string nearest_name(std::string_view name, const std::vector<std::string>& names) {
+  constexpr std::size_t kLeastBeginning = 3;
   std::string best;
-  std::size_t best_distance = std::max<std::size_t>(2, name.size() / 3) + 1;
+  // Of a short word two letters are most of it.
+  std::size_t best_distance = (name.size() <= 3 ? 1 : std::max<std::size_t>(2, name.size() / 3)) + 1;
   for (const std::string& candidate : names) {
     std::vector<std::size_t> row(candidate.size() + 1);
     std::iota(row.begin(), row.end(), std::size_t{0});
@@ -184,8 +186,10 @@ std::string nearest_name(std::string_view name, const std::vector<std::string>& 
         diagonal = above;
       }
     }
-    if (row.back() < best_distance) {
-      best_distance = row.back();
+    const bool begins = name.size() >= kLeastBeginning && candidate.starts_with(name);
+    const std::size_t distance = begins ? std::min<std::size_t>(row.back(), 1) : row.back();
+    if (distance < best_distance) {
+      best_distance = distance;
       best = candidate;
     }
   }

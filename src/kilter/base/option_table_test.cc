@@ -64,6 +64,9 @@ TEST(NearestName, FindsTyposAndLeavesStrangersAlone) {
   const std::vector<std::string> names = {"resolution", "submap_distance", "alpha"};
   EXPECT_EQ(nearest_name("resolutoin", names), "resolution");
   EXPECT_EQ(nearest_name("zzzzzz", names), "");
+  EXPECT_EQ(nearest_name("submap", names), "submap_distance") << "what was begun is meant before what is alike";
+  EXPECT_EQ(nearest_name("out", {"oft", "output"}), "oft") << "one letter from either";
+  EXPECT_EQ(nearest_name("mu", {"io", "ni"}), "") << "nothing of it is left";
 }
 
 }  // namespace
