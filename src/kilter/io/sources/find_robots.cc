@@ -240,6 +240,13 @@ Expected<std::vector<FoundRobot>> robots_of_named(const std::string& name, const
     if (auto ok = check_holds_no_robot(path); !ok) return pass_up(ok.error());
     const auto clouds = list_clouds_of(path);
     if (clouds || clouds.error().code != ErrorCode::kEmptyInput) return refuse_folder(path);
+    if (const auto inside = robots_inside(path); inside && !inside->robots.empty()) {
+      std::vector<std::string> names;
+      for (const Inside& robot : inside->robots) names.push_back(robot.path.filename().string());
+      return fail(ErrorCode::kNotFound, "a mission, where NAME= expects one robot", shown(path),
+                  fmt::format("its robots are {}: {}={} takes the first, the path alone all of them", some_of(names),
+                              printable(name, 80), shown(path / names.front())));
+    }
     return fail(ErrorCode::kNotFound, "expected scans/ or submaps/ in it, or another kind of source, found neither",
                 shown(path), known_kinds());
   }
@@ -277,17 +284,39 @@ Expected<std::vector<FoundRobot>> robots_of_path(const PathAndTopics& parts) {
   return robots;
 }
 
+// Of NAME=PATH the name; absent where the whole is a path.
+std::optional<std::string> name_before_path(const std::string& source) {
+  const std::size_t equals = source.find('=');
+  if (equals == std::string::npos || source.find('/') < equals) return std::nullopt;
+  return source.substr(0, equals);
+}
+
 Expected<std::vector<FoundRobot>> robots_of_source(const std::string& source) {
   // Most often a variable of a script that was never set.
   if (source.empty() || (source.ends_with('=') && source.find('/') == std::string::npos)) {
     return fail(ErrorCode::kUsage, "expected a path, found none", fmt::format("source \"{}\"", printable(source, 80)),
                 "a folder or a file, or NAME=PATH");
   }
-  const std::size_t equals = source.find('=');
-  if (equals != std::string::npos && source.find('/') > equals) {
-    return robots_of_named(source.substr(0, equals), split_topics(source.substr(equals + 1)));
+  if (const auto name = name_before_path(source)) {
+    return robots_of_named(*name, split_topics(source.substr(name->size() + 1)));
   }
   return robots_of_path(split_topics(source));
+}
+
+// Before anything is looked for: what the words alone tell is a wrong command, whatever lies on the disk.
+Expected<void> check_names_differ(const std::vector<std::string>& sources) {
+  std::map<std::string, std::string> first_of;
+  for (const std::string& source : sources) {
+    const auto name = name_before_path(source);
+    if (!name) continue;
+    if (const auto [first, is_new] = first_of.try_emplace(*name, source); !is_new) {
+      return fail(ErrorCode::kUsage,
+                  fmt::format("robot \"{}\" is given twice: {} and {}", printable(*name, 80),
+                              printable(first->second, 200), printable(source, 200)),
+                  {}, "give one of them another name: NAME=PATH");
+    }
+  }
+  return {};
 }
 
 }  // namespace
@@ -302,6 +331,7 @@ std::string known_kinds() {
 }
 
 Expected<std::vector<FoundRobot>> find_robots(const std::vector<std::string>& sources) {
+  if (auto ok = check_names_differ(sources); !ok) return pass_up(ok.error());
   std::vector<FoundRobot> robots;
   for (std::size_t source = 0; source < sources.size(); ++source) {
     auto found = robots_of_source(sources[source]);

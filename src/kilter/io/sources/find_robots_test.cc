@@ -173,6 +173,18 @@ TEST(FindRobots, LeavesNoRobotOutWhoseNameIsALinkToAHiddenFolder) {
   EXPECT_EQ(opened->robots.size(), 2U);
 }
 
+TEST(FindRobots, TellsHowAMissionIsNamed) {
+  const TwoRobots mission;
+  const std::string path = mission.folder.path().string();
+  const auto refused = open_mission({"x=" + path});
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::kNotFound);
+  EXPECT_EQ(refused.error().message, "a mission, where NAME= expects one robot");
+  EXPECT_NE(refused.error().hint.find("its robots are a, c: x="), std::string::npos) << refused.error().hint;
+  // What the words alone tell comes before what lies on the disk.
+  expect_source_error(open_mission({"x=" + path, "x=" + path}), ErrorCode::kUsage, "robot \"x\" is given twice");
+}
+
 TEST(FindRobots, TellsWhyPosesCannotBeRead) {
   const TwoRobots mission;
   fs::remove(mission.c / "poses.tum");
