@@ -68,6 +68,10 @@ std::size_t inconsistent_among(const Result& result, const std::vector<PairId>& 
 void add_certificate(Lines& lines, const Result& result) {
   const MapVerdict& system = result.system;
   std::string text = "none: nothing can be said about the whole map at 95 %";
+  if (system.untied > 0 && system.untied < result.submaps.size()) {
+    text += fmt::format(", for no decided pair bounds where {} of {} submaps lie{}", system.untied,
+                        result.submaps.size(), system.untied == 1 ? "s" : "");
+  }
   if (system.certificate_m) {
     text = fmt::format("consistent to {:.2f} m at 95 %", to_centimetres_above(*system.certificate_m));
     if (!system.certificate_excludes.empty()) {

@@ -153,6 +153,13 @@ TEST(Summary, TheAdviceNamesThePosesThatItNeedsAgain) {
   EXPECT_THAT(summary(result, options), AllOf(HasSubstr("--cuts OUT --poses better"), HasSubstr("give of monday/")));
 }
 
+TEST(Summary, SaysOfHowManySubmapsNothingIsCertified) {
+  Result result = testing::small_result();
+  result.system.certificate_m.reset();
+  result.system.untied = 1;
+  EXPECT_THAT(summary(result), AllOf(HasSubstr("no decided pair bounds"), HasSubstr("1 of 3 submaps lies")));
+}
+
 TEST(Summary, GatesThatLeaveNoPairAreNamed) {
   Result result = testing::small_result();
   result.pairs.clear();

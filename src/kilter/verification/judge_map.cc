@@ -168,9 +168,9 @@ std::string undecided(const DecidedShares& shares, const std::vector<JudgedPair>
   return {};
 }
 
-// Whether pairs that bound a disagreement lead from every submap to every other, and every robot has one: what they do
-// not lead to may lie anywhere.
-bool everything_is_tied(const std::vector<JudgedPair>& pairs, std::size_t robots) {
+// How many submaps lie outside the largest part that pairs with a bounded disagreement tie together: they may lie
+// anywhere. Of a robot without any pair one is counted.
+std::size_t untied_submaps(const std::vector<JudgedPair>& pairs, std::size_t robots) {
   std::map<SubmapId, SubmapId> tied_to;
   const auto root = [&](SubmapId at) {
     while (tied_to.at(at) != at) at = tied_to.at(at) = tied_to.at(tied_to.at(at));
@@ -182,16 +182,15 @@ bool everything_is_tied(const std::vector<JudgedPair>& pairs, std::size_t robots
     tied_to.try_emplace(pair.id.target, pair.id.target);
     seen.insert({pair.source_robot, pair.target_robot});
   }
-  std::size_t parts = tied_to.size();
   for (const JudgedPair& pair : pairs) {
     if (pair.verdict.verdict == Verdict::kUnverified || !pair.verdict.disagreement_most_m) continue;
-    const SubmapId source = root(pair.id.source);
-    const SubmapId target = root(pair.id.target);
-    if (source == target) continue;
-    tied_to.at(source) = target;
-    --parts;
+    tied_to.at(root(pair.id.source)) = root(pair.id.target);
   }
-  return parts <= 1 && seen.size() == robots;
+  std::map<SubmapId, std::size_t> part_sizes;
+  for (const auto& [submap, to] : tied_to) ++part_sizes[root(submap)];
+  std::size_t largest = 0;
+  for (const auto& [part, size] : part_sizes) largest = std::max(largest, size);
+  return tied_to.size() - largest + robots - seen.size();
 }
 
 // Upper 95 % bounds of all decided pairs, where they tie the map together; the others that overlap are named as
@@ -209,7 +208,8 @@ void certify(const std::vector<JudgedPair>& pairs, std::size_t robots, MapVerdic
     }
     map.certificate_m = std::max(map.certificate_m.value_or(0.0), *pair.verdict.disagreement_most_m);
   }
-  if (!everything_is_tied(pairs, robots)) map.certificate_m.reset();
+  map.untied = untied_submaps(pairs, robots);
+  if (map.untied > 0) map.certificate_m.reset();
 }
 
 }  // namespace

@@ -86,6 +86,7 @@ TEST(JudgeMap, CertifiesNothingOfSubmapsThatNothingTies) {
   const MapVerdict map = judge_map(pairs, kRobots, {});
   EXPECT_EQ(map.unverified, 1U);
   EXPECT_FALSE(map.certificate_m);
+  EXPECT_EQ(map.untied, 1U);
 }
 
 // An offset just above the tolerance, and a bend just below it.

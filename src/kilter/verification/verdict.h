@@ -104,6 +104,9 @@ struct MapVerdict {
   std::string reason;                        ///< one sentence
   std::optional<double> certificate_m;       ///< smallest X of "consistent to X m at 95 %"
   std::vector<PairId> certificate_excludes;  ///< overlapping pairs that the certificate says nothing about
+  /// Submaps outside the largest part that pairs with a bounded disagreement tie together; above 0 there is no
+  /// certificate.
+  std::size_t untied = 0;
   LogProbability log_probability;
   std::size_t tested = 0;
   std::size_t inconsistent = 0;
