@@ -183,6 +183,7 @@ TEST(JudgePair, FreeSpaceAloneTellsWrongPlaces) {
   failed.registration->stop = StopReason::kMaxIterations;
   failed.registered.reset();
   EXPECT_EQ(verdict_of(failed), Verdict::kInconsistent);
+  EXPECT_FALSE(judged(failed).verdict.evidence.contains("disagreement")) << "nothing was measured of it";
   EXPECT_EQ(verdict_of(failed, {.tolerance_m = 0.3}), Verdict::kUnverified) << "the margin is less than that";
 }
 

@@ -158,7 +158,10 @@ void let_free_space_speak(const PairEvidence& pair, const MapNull& null, const J
   const double log_ratio = std::min(log_normal_tail(-z) - log_normal_tail(z), kMaxLogOdds);
   verdict.evidence["conflict"].log_ratio = log_ratio;
   // It only speaks against the map: what registration says of that, doubted as it may be, is not taken back.
-  set_posterior(std::max(log_ratio, verdict.evidence["disagreement"].log_ratio.value_or(log_ratio)), options, verdict);
+  const auto registered = verdict.evidence.find("disagreement");
+  const double said =
+      registered == verdict.evidence.end() ? log_ratio : registered->second.log_ratio.value_or(log_ratio);
+  set_posterior(std::max(log_ratio, said), options, verdict);
   decide_without_registration(
       p_value,
       fmt::format("{:.0f} % of what both saw conflicts as the map has it (typical of this map: {:.0f} %), and {} ({})",
