@@ -34,7 +34,7 @@ std::string why_inconsistent(const PairVerdict& verdict, const JudgeOptions& opt
         100.0 * *verdict.disagreement_m, above, verdict.bent);
   }
   // Where offset and bend are above only together, the reader has to be told of both.
-  if (interval[0] <= options.tolerance_m && *verdict.disagreement_m > 1.1 * *verdict.offset_m) {
+  if (interval[0] <= options.tolerance_m && bend_tells(verdict)) {
     return fmt::format("{}, and with what no rigid motion mends {:.1f} cm apart: {}", offset,
                        100.0 * *verdict.disagreement_m, above);
   }

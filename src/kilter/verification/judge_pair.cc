@@ -267,9 +267,8 @@ PairVerdict judge_displacement(const PairEvidence& pair, const MapNull& null, co
         measured));
   } else if (beyond) {
     const std::string bent =
-        bend.rms_m > 0.1 * *verdict.disagreement_m
-            ? fmt::format(", {} apart with what no rigid motion mends", in_cm(*verdict.disagreement_m))
-            : std::string();
+        bend_tells(verdict) ? fmt::format(", {} apart with what no rigid motion mends", in_cm(*verdict.disagreement_m))
+                            : std::string();
     verdict.reason = fmt::format("{}{}: not told from the tolerance of {} over the whole map", measured, bent,
                                  in_cm(options.tolerance_m));
     if (const std::string cells = left_open_by_cells(pair, offset); !cells.empty()) verdict.reason += "; " + cells;

@@ -82,6 +82,12 @@ struct PairVerdict {
   std::optional<double> p_inconsistent;
 };
 
+/// Whether a reader has to be told of the bend: with it clearly more lies apart than the offset alone. Precondition:
+/// both are there.
+[[nodiscard]] inline bool bend_tells(const PairVerdict& verdict) {
+  return *verdict.disagreement_m > 1.05 * *verdict.offset_m;
+}
+
 /// Eq. (6)-(7) as sums of log(1 - p_inconsistent); absent where no pair of that level has a probability.
 struct LogProbability {
   std::optional<double> total;

@@ -303,18 +303,19 @@ Expected<std::vector<FoundRobot>> robots_of_source(const std::string& source) {
   return robots_of_path(split_topics(source));
 }
 
+tl::unexpected<Error> given_twice(const std::string& name, const std::string& first, const std::string& second) {
+  return fail(ErrorCode::kUsage, fmt::format("robot \"{}\" is given twice: {} and {}", name, first, second), {},
+              "give one of them another name: NAME=PATH");
+}
+
 // Before anything is looked for: what the words alone tell is a wrong command, whatever lies on the disk.
 Expected<void> check_names_differ(const std::vector<std::string>& sources) {
   std::map<std::string, std::string> first_of;
   for (const std::string& source : sources) {
     const auto name = name_before_path(source);
     if (!name) continue;
-    if (const auto [first, is_new] = first_of.try_emplace(*name, source); !is_new) {
-      return fail(ErrorCode::kUsage,
-                  fmt::format("robot \"{}\" is given twice: {} and {}", printable(*name, 80),
-                              printable(first->second, 200), printable(source, 200)),
-                  {}, "give one of them another name: NAME=PATH");
-    }
+    const auto [first, is_new] = first_of.try_emplace(*name, source);
+    if (!is_new) return given_twice(printable(*name, 80), printable(first->second, 200), printable(source, 200));
   }
   return {};
 }
@@ -346,10 +347,7 @@ Expected<std::vector<FoundRobot>> find_robots(const std::vector<std::string>& so
   const auto twice =
       std::adjacent_find(robots.begin(), robots.end(), [](const auto& a, const auto& b) { return a.name == b.name; });
   if (twice != robots.end()) {
-    return fail(ErrorCode::kUsage,
-                fmt::format("robot \"{}\" is given twice: {} and {}", twice->name, shown(twice->path),
-                            shown(std::next(twice)->path)),
-                {}, "give one of them another name: NAME=PATH");
+    return given_twice(twice->name, shown(twice->path), shown(std::next(twice)->path));
   }
   return robots;
 }
