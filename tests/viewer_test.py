@@ -9,6 +9,7 @@ folder, viewer-shots/, to be looked at.
 import json
 import os
 import shutil
+import struct
 import subprocess
 import tempfile
 import unittest
@@ -30,6 +31,22 @@ def missing():
     if not any(place and Path(place).exists() for place in places):
         return "no Chromium is installed (Debian: chromium); KILTER_CHROMIUM names one elsewhere"
     return None
+
+
+def put_into_the_world(pcd, pose, far_m=(200.0, 100.0, 30.0)):
+    """Moves the points of a binary PCD file of floats x y z by a pose (x y z qx qy qz qw) and far away."""
+    head, separator, body = pcd.read_bytes().partition(b"DATA binary\n")
+    x, y, z, w = pose[3:]
+    rotation = (
+        (1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)),
+        (2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)),
+        (2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)),
+    )
+    moved = bytearray()
+    for point in struct.iter_unpack("<3f", body):
+        turned = (sum(a * b for a, b in zip(row, point)) for row in rotation)
+        moved += struct.pack("<3f", *(a + b + c for a, b, c in zip(turned, pose, far_m)))
+    pcd.write_bytes(head + separator + bytes(moved))
 
 
 @unittest.skipIf(missing(), missing())
@@ -68,12 +85,24 @@ class Viewer(unittest.TestCase):
             robots = [f"{way}{n}={tiny.mission / way}" for n in range(4) for way in "ab"]
             return self.check("fleet", *robots)
 
+    def clouds(self):
+        """A report of finished clouds in world coordinates: no pose of theirs says where a robot was."""
+        with TinyMission() as tiny:
+            made = run_kilter("submaps", tiny.mission, "--format", "pcd", "-o", tiny.folder / "finished")
+            self.assertEqual(made.status, 0, made.stderr)
+            for poses in (tiny.folder / "finished").glob("*/poses.tum"):
+                rows = [line.split() for line in poses.read_text().splitlines() if not line.startswith("#")]
+                for file, (_, *pose) in zip(sorted((poses.parent / "submaps").iterdir()), rows):
+                    put_into_the_world(file, [float(number) for number in pose])
+                poses.write_text("".join(f"{row[0]} 0 0 0 0 0 0 1\n" for row in rows))
+            return self.check("clouds", tiny.folder / "finished")
+
     def test_the_report_does_what_it_shows(self):
         report = self.simulated()
         if b"built without its viewer" in report.read_bytes():
             self.skipTest("kilter was built without its viewer")
         script = SOURCE_DIR / "viewer/test/report_test.mjs"
-        command = ["node", script, report, self.hostile(), self.fleet(), self.shots]
+        command = ["node", script, report, self.hostile(), self.fleet(), self.clouds(), self.shots]
         done = subprocess.run(command, capture_output=True, text=True, timeout=540, check=False)
         lines = [json.loads(line) for line in done.stdout.splitlines()]
         self.assertEqual(done.returncode, 0, done.stderr)

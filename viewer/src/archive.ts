@@ -81,7 +81,8 @@ export interface Result {
 /** A submap's thinned surface, in its own frame [m]. */
 export interface Cloud {
   voxels: number;
-  points: Float32Array; // x y z, ...
+  origin: [number, number, number]; // of the points: they may be far from the submap's, where floats are coarse
+  points: Float32Array; // x y z, ... from the origin
   misalignment: Uint8Array; // 0 = seen once only; else 1 + centimetres
 }
 
@@ -156,16 +157,16 @@ export async function unpack(text: string): Promise<Uint8Array> {
 
 function readCloud(cursor: Cursor): Cloud {
   const voxels = cursor.u64();
-  const origin = [cursor.f64(), cursor.f64(), cursor.f64()];
+  const origin: [number, number, number] = [cursor.f64(), cursor.f64(), cursor.f64()];
   const step = cursor.f64();
   const count = cursor.u32();
   const points = new Float32Array(3 * count);
   for (let axis = 0; axis < 3; axis++) {
     const low = cursor.take(count);
     const high = cursor.take(count);
-    for (let i = 0; i < count; i++) points[3 * i + axis] = origin[axis]! + step * (low[i]! + 256 * high[i]!);
+    for (let i = 0; i < count; i++) points[3 * i + axis] = step * (low[i]! + 256 * high[i]!);
   }
-  return { voxels, points, misalignment: cursor.take(count) };
+  return { voxels, origin, points, misalignment: cursor.take(count) };
 }
 
 function readPair(cursor: Cursor): PairPicture {

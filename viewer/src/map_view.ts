@@ -1,15 +1,15 @@
 // SPDX-FileCopyrightText: The kilter authors
 // SPDX-License-Identifier: BSD-3-Clause
 // All submaps where the map puts them, the robots' ways, and a line for each pair.
-import { Matrix4, Vector3 } from "three";
-import type { Archive, Verdict } from "./archive.js";
+import { Vector3 } from "three";
+import type { Verdict } from "./archive.js";
 import { css, misalignmentColour, robotColour, scaleColour, verdictColour } from "./colours.js";
 import { byId, choice, element, hideTip, showTip } from "./dom.js";
+import { extentOf, isFinished, kEverything, kWalls, placeOf, sensorHeight, wallsShow, worldFromCloud } from "./framing.js";
 import type { Place } from "./places.js";
 import { CloudPoints, halo, Pane, themed, ThinLines } from "./scene.js";
 import type { State } from "./state.js";
 import { pairTip } from "./tips.js";
-import { rotation, translation } from "./words.js";
 
 type Colouring = "robot" | "height" | "misalignment";
 
@@ -20,8 +20,6 @@ interface Edge {
 }
 
 const kNearPixels = 9;
-// Around the sensor's height: walls without floor and ceiling. [m]
-const kSlice = [-0.7, 0.9] as const;
 
 export class MapView {
   readonly pane = new Pane("map seen from above", true);
@@ -29,6 +27,7 @@ export class MapView {
   private readonly cloud: CloudPoints;
   private readonly owner: Uint16Array; // submap of each point
   private readonly bytes: Uint8Array; // misalignment of each point
+  private readonly nodes: Vector3[]; // where each submap lies
   private readonly edges: Edge[];
   private readonly paths: Vector3[][];
   private readonly thin: ThinLines;
@@ -41,7 +40,9 @@ export class MapView {
     private readonly places: Place[],
   ) {
     const archive = state.archive;
-    this.origin = centreOf(archive);
+    this.nodes = archive.result.submaps.map((_, submap) => placeOf(archive, submap));
+    this.origin = centreOf(this.nodes);
+    for (const node of this.nodes) node.sub(this.origin);
     const total = archive.clouds.reduce((sum, cloud) => sum + cloud.points.length / 3, 0);
     const positions = new Float32Array(3 * total);
     const heights = new Float32Array(total);
@@ -51,8 +52,7 @@ export class MapView {
     this.cloud = new CloudPoints(positions, heights);
     this.pane.scene.add(this.cloud.points);
     this.pane.clouds = [this.cloud];
-    const nodes = archive.result.submaps.map((submap) => translation(submap.T_world_submap).sub(this.origin));
-    this.edges = archive.pairs.map((pair, n) => ({ pair: n, from: nodes[pair.target]!, to: nodes[pair.source]! }));
+    this.edges = archive.pairs.map((pair, n) => ({ pair: n, from: this.nodes[pair.target]!, to: this.nodes[pair.source]! }));
     this.paths = archive.paths.map((path) => {
       const points: Vector3[] = [];
       for (let i = 0; i < path.length; i += 3) {
@@ -75,13 +75,15 @@ export class MapView {
       (value) => this.colour(value),
     );
     this.chooseColours = colours.set;
+    const walls = wallsShow(archive);
+    const finished = archive.clouds.some((_, submap) => isFinished(archive, submap));
     const slice = choice<"walls" | "all">(
       "which points",
       [
-        ["walls", "walls", "only what is about as high as the sensor: no floor, no ceiling"],
+        ["walls", "walls", finished ? "only what is half a metre to two metres above the floor" : "only what is about as high as the sensor: no floor, no ceiling"],
         ["all", "everything"],
       ],
-      "walls",
+      walls ? "walls" : "all",
       (value) => this.slice(value === "walls"),
     );
     const edges = (["inconsistent", "unverified", "consistent"] as const).map((verdict) =>
@@ -115,7 +117,7 @@ export class MapView {
       element("div", { class: "bar" }, ...edges, this.legend),
     );
     this.listen();
-    this.slice(true);
+    this.slice(walls);
     this.colour("robot");
     this.top();
     const themeChanged = () => {
@@ -131,9 +133,9 @@ export class MapView {
   /** Every 16th point of all first, then the next sixteenth, ...: whatever is drawn of them is an even thinning. */
   private fill(positions: Float32Array, heights: Float32Array): void {
     const archive = this.state.archive;
-    const matrices = archive.result.submaps.map((submap) => {
-      const at = translation(submap.T_world_submap).sub(this.origin);
-      return new Matrix4().compose(at, rotation(submap.T_world_submap), new Vector3(1, 1, 1)).elements;
+    const matrices = archive.clouds.map((_, submap) => worldFromCloud(archive, submap, this.origin).elements);
+    const levels = archive.result.submaps.map(({ T_world_submap }, submap) => {
+      return T_world_submap[2] - this.origin.z + sensorHeight(archive, submap);
     });
     let to = 0;
     for (let phase = 0; phase < 16; phase++) {
@@ -146,7 +148,7 @@ export class MapView {
           for (let axis = 0; axis < 3; axis++) {
             positions[3 * to + axis] = m[axis]! * x + m[4 + axis]! * y + m[8 + axis]! * z + m[12 + axis]!;
           }
-          heights[to] = positions[3 * to + 2]! - m[14]!;
+          heights[to] = positions[3 * to + 2]! - levels[submap]!;
           this.owner[to] = submap;
           this.bytes[to] = cloud.misalignment[i]!;
           to++;
@@ -224,36 +226,18 @@ export class MapView {
   }
 
   private slice(walls: boolean): void {
-    if (walls) this.cloud.slice(kSlice[0], kSlice[1]);
-    else this.cloud.slice(-1e9, 1e9);
+    const [low, high] = walls ? kWalls : kEverything;
+    this.cloud.slice(low, high);
     this.pane.render();
   }
 
-  private extent(): { centre: Vector3; radius: number } {
-    const low = new Vector3(Infinity, Infinity, Infinity);
-    const high = new Vector3(-Infinity, -Infinity, -Infinity);
-    // Far single points must not shrink the map: the robots' ways and most points around them.
-    for (const path of this.paths) for (const point of path) low.min(point), high.max(point);
-    const reach: number[] = [];
-    const positions = this.cloud.positions;
-    const middle = low.clone().add(high).multiplyScalar(0.5);
-    const every = Math.max(1, Math.floor(this.cloud.count / 5000));
-    for (let i = 0; i < this.cloud.count; i += every) {
-      reach.push(Math.max(Math.abs(positions[3 * i]! - middle.x), Math.abs(positions[3 * i + 1]! - middle.y)));
-    }
-    reach.sort((a, b) => a - b);
-    const path = Math.max(high.x - low.x, high.y - low.y) / 2;
-    const radius = Math.max(path * 1.05, Math.min(reach[Math.floor(0.97 * reach.length)] ?? 5, 2 * path + 10));
-    return Number.isFinite(middle.x) ? { centre: middle, radius } : { centre: new Vector3(), radius: 10 };
-  }
-
   top(): void {
-    const { centre, radius } = this.extent();
+    const { centre, radius } = extentOf(this.state.archive, this.origin);
     this.pane.look(centre, radius * 1.04, new Vector3(0, -1e-4, 1));
   }
 
   side(): void {
-    const { centre, radius } = this.extent();
+    const { centre, radius } = extentOf(this.state.archive, this.origin);
     this.pane.look(centre, radius, new Vector3(-0.5, -1, 0.7));
   }
 
@@ -390,11 +374,7 @@ export class MapView {
     context.textBaseline = "middle";
     for (const submap of [...first, ...submaps]) {
       const chosen = first.includes(submap);
-      const at = this.pane.project(
-        translation(archive.result.submaps[submap]!.T_world_submap).sub(this.origin),
-        width,
-        height,
-      );
+      const at = this.pane.project(this.nodes[submap]!, width, height);
       if (taken.some((other) => Math.abs(other.x - at.x) < 44 && Math.abs(other.y - at.y) < 16)) continue;
       taken.push(at);
       context.font = chosen ? "bold 13px system-ui, sans-serif" : "11px system-ui, sans-serif";
@@ -432,10 +412,10 @@ export class MapView {
   }
 }
 
-function centreOf(archive: Archive): Vector3 {
+function centreOf(nodes: Vector3[]): Vector3 {
   const centre = new Vector3();
-  for (const submap of archive.result.submaps) centre.add(translation(submap.T_world_submap));
-  return centre.divideScalar(Math.max(1, archive.result.submaps.length));
+  for (const node of nodes) centre.add(node);
+  return centre.divideScalar(Math.max(1, nodes.length));
 }
 
 export const shortened = (name: string): string => (name.length <= 14 ? name : `~${name.slice(-13)}`);

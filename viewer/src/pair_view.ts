@@ -1,10 +1,11 @@
 // SPDX-FileCopyrightText: The kilter authors
 // SPDX-License-Identifier: BSD-3-Clause
 // The two submaps of a pair on top of each other, as the map has them and as registration would.
-import { Matrix4, Quaternion, Vector3 } from "three";
-import { kNothing, kSteps, kThrough, type Cloud, type Pair, type PairPicture, type Samples } from "./archive.js";
+import { Matrix4, Vector3 } from "three";
+import { kNothing, kSteps, kThrough, type Pair, type PairPicture, type Samples } from "./archive.js";
 import { belowColour, css, scaleColour, sourceColour, targetColour, verdictColour } from "./colours.js";
 import { byId, choice, element } from "./dom.js";
+import { isFinished, kEverything, kWalls, placeOf, sensorHeight, wallsShow, worldFromCloud } from "./framing.js";
 import { CloudPoints, evenOrder, halo, Pane, themed } from "./scene.js";
 import { shortened } from "./map_view.js";
 import type { State } from "./state.js";
@@ -13,13 +14,12 @@ import { rotation, translation } from "./words.js";
 type Colouring = "submap" | "distance" | "conflict";
 
 const kUnit = new Vector3(1, 1, 1);
-const kSlice = [-0.7, 0.9] as const;
-const kEverything = [-1e9, 1e9] as const;
 
 interface Side {
   cloud: CloudPoints;
   sampled: CloudPoints; // those points whose distances are known
   samples: Samples;
+  place: Vector3; // that stands for the submap, among the points
 }
 
 export class PairView {
@@ -28,7 +28,7 @@ export class PairView {
   private readonly title = element("h2", {});
   private readonly note = element("span", { class: "legend" });
   private colouring: Colouring = "submap";
-  private walls = true;
+  private walls: boolean;
   private target: Side | null = null;
   private source: Side | null = null;
   private playing = 0;
@@ -60,13 +60,14 @@ export class PairView {
       },
     );
     this.chooseColours = colours.set;
+    this.walls = wallsShow(state.archive);
     const slice = choice<"walls" | "all">(
       "which points",
       [
-        ["walls", "walls", "only what is about as high as the sensor"],
+        ["walls", "walls", "only what is about as high as the sensor, or half a metre to two above a finished cloud's floor"],
         ["all", "everything"],
       ],
-      "walls",
+      this.walls ? "walls" : "all",
       (value) => {
         this.walls = value === "walls";
         this.recolour();
@@ -145,14 +146,19 @@ export class PairView {
     this.pane.clouds = [];
   }
 
-  private side(cloud: Cloud, stride: number, samples: Samples, world: Quaternion): Side {
+  private side(submap: number, stride: number, samples: Samples): Side {
+    const archive = this.state.archive;
+    const cloud = archive.clouds[submap]!;
+    const start = translation(archive.result.submaps[submap]!.T_world_submap);
+    const upright = worldFromCloud(archive, submap, start);
+    const level = sensorHeight(archive, submap);
     const p = new Vector3();
     const points = (order: Uint32Array, every: number): CloudPoints => {
       const positions = new Float32Array(3 * order.length);
       const heights = new Float32Array(order.length);
       order.forEach((from, to) => {
         p.fromArray(cloud.points, 3 * from * every).toArray(positions, 3 * to);
-        heights[to] = p.applyQuaternion(world).z;
+        heights[to] = p.applyMatrix4(upright).z - level;
       });
       return new CloudPoints(positions, heights);
     };
@@ -162,6 +168,7 @@ export class PairView {
       cloud: points(evenOrder(cloud.points.length / 3), 1),
       sampled: points(order, stride),
       samples: { before: ordered(samples.before), after: ordered(samples.after) },
+      place: new Vector3().applyMatrix4(worldFromCloud(archive, submap, placeOf(archive, submap)).invert()),
     };
     for (const shown of [side.cloud, side.sampled]) this.pane.scene.add(shown.points);
     return side;
@@ -178,8 +185,6 @@ export class PairView {
       this.pane.render();
       return;
     }
-    const archive = this.state.archive;
-    const submaps = archive.result.submaps;
     const swatch = (colour: string) => {
       const mark = element("i", { class: "swatch" });
       mark.style.background = colour;
@@ -195,30 +200,32 @@ export class PairView {
       " ",
       element("span", { class: `verdict ${pair.verdict}` }, pair.verdict),
     );
-    this.target = this.side(archive.clouds[picture.target]!, picture.stride, picture.targetSamples, rotation(submaps[picture.target]!.T_world_submap));
-    this.source = this.side(archive.clouds[picture.source]!, picture.stride, picture.sourceSamples, rotation(submaps[picture.source]!.T_world_submap));
+    this.target = this.side(picture.target, picture.stride, picture.targetSamples);
+    this.source = this.side(picture.source, picture.stride, picture.sourceSamples);
     this.place();
     this.recolour();
     this.frame();
   }
 
-  private worldTarget(): Matrix4 {
-    const pose = this.state.archive.result.submaps[this.picture!.target]!.T_world_submap;
-    return new Matrix4().compose(translation(pose).sub(new Vector3(...this.picture!.centre)), rotation(pose), kUnit);
-  }
-
   private place(): void {
-    const { pair, source, target } = this;
-    if (!pair || !source || !target) return;
-    const world = this.worldTarget();
+    const { pair, picture, source, target } = this;
+    if (!pair || !picture || !source || !target) return;
+    const archive = this.state.archive;
+    const centre = new Vector3(...picture.centre);
+    const pose = archive.result.submaps[picture.target]!.T_world_submap;
+    const world = new Matrix4().compose(translation(pose).sub(centre), rotation(pose), kUnit);
     const from = pair.T_target_source;
     const to = pair.T_target_source_registered ?? from;
-    const between = new Matrix4().compose(
-      translation(from).lerp(translation(to), this.alpha),
-      rotation(from).slerp(rotation(to), this.alpha),
-      kUnit,
-    );
-    const moved = world.clone().multiply(between);
+    // What both saw slides straight, wherever the source's start is: far from it a turn would swing it out and back.
+    const middle = centre.sub(translation(pose)).applyQuaternion(rotation(pose).invert());
+    const own = middle.clone().sub(translation(from)).applyQuaternion(rotation(from).invert());
+    const end = own.clone().applyQuaternion(rotation(to)).add(translation(to));
+    const turn = rotation(from).slerp(rotation(to), this.alpha);
+    const at = middle.lerp(end, this.alpha).sub(own.applyQuaternion(turn));
+    const moved = world.clone().multiply(new Matrix4().compose(at, turn, kUnit));
+    const fromCloud = (submap: number) => new Matrix4().makeTranslation(...archive.clouds[submap]!.origin);
+    world.multiply(fromCloud(picture.target));
+    moved.multiply(fromCloud(picture.source));
     for (const points of [target.cloud, target.sampled]) points.move(world);
     for (const points of [source.cloud, source.sampled]) points.move(moved);
   }
@@ -243,7 +250,7 @@ export class PairView {
       const bytes = after ? side.samples.after : side.samples.before;
       side.cloud.points.visible = plain;
       side.sampled.points.visible = !plain;
-      const [low, high] = this.walls ? kSlice : kEverything;
+      const [low, high] = this.walls ? kWalls : kEverything;
       side.cloud.slice(low, high);
       side.sampled.slice(low, high);
       side.cloud.size(2);
@@ -297,7 +304,7 @@ export class PairView {
     const { target, picture } = this;
     if (!target || !picture) return 10;
     const bytes = target.samples.after.length > 0 ? target.samples.after : target.samples.before;
-    const world = this.worldTarget();
+    const world = target.cloud.points.matrix;
     const p = new Vector3();
     const reach: number[] = [];
     const every = bytes.length > 0 ? 1 : 7;
@@ -323,13 +330,13 @@ export class PairView {
     const archive = this.state.archive;
     context.font = "bold 12px system-ui, sans-serif";
     context.textAlign = "center";
-    const world = this.worldTarget();
-    const nodes: [number, Vector3, string][] = [
-      [picture.target, new Vector3().applyMatrix4(world), css(targetColour)],
-      [picture.source, new Vector3(...(this.source ? this.origin() : [0, 0, 0])), css(sourceColour)],
+    const nodes: [number, Side | null, string][] = [
+      [picture.target, this.target, css(targetColour)],
+      [picture.source, this.source, css(sourceColour)],
     ];
-    for (const [submap, at, colour] of nodes) {
-      const where = this.pane.project(at, width, height);
+    for (const [submap, side, colour] of nodes) {
+      if (!side) continue;
+      const where = this.pane.project(side.place.clone().applyMatrix4(side.cloud.points.matrix), width, height);
       context.fillStyle = colour;
       context.strokeStyle = paper;
       context.lineWidth = 2;
@@ -339,14 +346,10 @@ export class PairView {
       context.stroke();
       const above = submap === picture.target; // two names at one place must not cover each other
       context.textBaseline = above ? "bottom" : "top";
-      halo(context, `start of ${shortened(archive.result.submaps[submap]!.id)}`, where.x, where.y + (above ? -8 : 8), ink, paper);
+      const what = isFinished(archive, submap) ? "" : "start of ";
+      halo(context, `${what}${shortened(archive.result.submaps[submap]!.id)}`, where.x, where.y + (above ? -8 : 8), ink, paper);
     }
     this.pane.scaleBar(context, width, height, ink);
-  }
-
-  private origin(): [number, number, number] {
-    const p = new Vector3().applyMatrix4(this.source!.cloud.points.matrix);
-    return [p.x, p.y, p.z];
   }
 
   private paintUnobservable(context: CanvasRenderingContext2D, width: number, height: number, ink: string, paper: string): void {

@@ -1,14 +1,14 @@
 // SPDX-FileCopyrightText: The kilter authors
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// node report_test.mjs REPORT.html HOSTILE.html FLEET.html FOLDER: uses a report as a person would, one whose robots have
-// hostile names and one of many robots. Prints a line of JSON per test; screenshots go to FOLDER. tests/viewer_test.py runs it.
+// node report_test.mjs REPORT.html HOSTILE.html FLEET.html CLOUDS.html FOLDER: uses a report as a person would, one whose
+// robots have hostile names, one of many robots and one of finished clouds in world coordinates. Prints a line of JSON per test; screenshots go to FOLDER. tests/viewer_test.py runs it.
 import assert from "node:assert/strict";
 import { mkdirSync } from "node:fs";
 import { join } from "node:path";
 import { launch, open } from "./browser.mjs";
 
-const [report, hostile, fleet, folder] = process.argv.slice(2);
+const [report, hostile, fleet, clouds, folder] = process.argv.slice(2);
 mkdirSync(folder, { recursive: true });
 const browser = await launch();
 
@@ -358,6 +358,23 @@ await test("many robots leave the verdict short", { file: fleet, width: 1366, he
   assert.ok(seen.words.includes(`two robots, ${seen.meetings} times, `), seen.words);
   assert.ok(seen.height < 0.2 * 768, `${seen.height} px`);
   await page.screenshot({ path: join(folder, "fleet.png") });
+});
+
+await test("finished clouds are seen wherever the world's origin is", { file: clouds }, async (page) => {
+  for (const canvas of ["#map .points", "#pair .points"]) {
+    assert.ok((await painted(page, canvas)).share > 0.004, canvas);
+    const button = page.locator(`${canvas.split(" ")[0]} button`, { hasText: "everything" });
+    await button.click();
+    assert.ok((await painted(page, canvas)).share > 0.004, `all of ${canvas}`);
+  }
+  // The lines run between the clouds, where they can be clicked.
+  const seen = await page.evaluate(() => {
+    const { map, state } = window.kilter;
+    const { clientWidth, clientHeight } = map.pane.overlay;
+    return state.pairs.map((_, n) => map.middleOf(n)).filter(({ x, y }) => x > 0 && y > 0 && x < clientWidth && y < clientHeight);
+  });
+  assert.ok(seen.length > 0 && new Set(seen.map(({ x, y }) => `${Math.round(x)},${Math.round(y)}`)).size > 1);
+  await page.screenshot({ path: join(folder, "clouds.png") });
 });
 
 await browser.close();

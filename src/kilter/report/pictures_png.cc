@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>
@@ -24,6 +25,10 @@ constexpr int kMargin = 16;
 // Around the sensor's height: walls without floor and ceiling, as the report starts. [m]
 constexpr double kSliceLow_m = -0.7;
 constexpr double kSliceHigh_m = 0.9;
+// A finished cloud has no sensor: one is taken to have stood so far above its floor, which few points lie below.
+constexpr double kSensorAboveFloor_m = 1.2;
+constexpr double kBelowFloor = 0.05;
+constexpr double kLeastInSlice = 0.05;  // of all points: with fewer the map would look empty, so all are drawn
 
 struct LogRange {
   double low = 0.0;
@@ -129,45 +134,108 @@ std::vector<Rgb> colours_of_submaps(const Result& result) {
   return colours;
 }
 
-template <typename Visit>
-void visit_slice(const Result& result, const Visit& visit) {
-  for (std::size_t i = 0; i < result.submaps.size(); ++i) {
-    const CloudPicture& cloud = result.picture->clouds[i];
-    const Eigen::Isometry3d T = result.submaps[i].T_world_submap.isometry();
-    for (std::size_t k = 0; k < cloud.points.size(); ++k) {
-      const Eigen::Vector3d point_m = T * cloud.point_m(k);
-      const double height_m = point_m.z() - T.translation().z();
-      if (height_m >= kSliceLow_m && height_m <= kSliceHigh_m) visit(i, point_m);
+// The value below which a share of the numbers lies; 0 of none.
+double percentile(std::vector<double> values, double share) {
+  if (values.empty()) return 0.0;
+  const auto last = static_cast<std::ptrdiff_t>(values.size()) - 1;
+  const auto at = values.begin() + std::min(last, static_cast<std::ptrdiff_t>(share * static_cast<double>(last + 1)));
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
+}
+
+// What the map shows, and where.
+class MapScene {
+ public:
+  explicit MapScene(const Result& result) : result_(result) {
+    std::size_t all = 0;
+    std::size_t between = 0;
+    for (std::size_t i = 0; i < result.submaps.size(); ++i) {
+      sensors_m_.push_back(sensor_height_m(i));
+      all += result.picture->clouds[i].points.size();
+    }
+    visit([&](std::size_t, const Eigen::Vector3d&) { ++between; });
+    sliced_ = static_cast<double>(between) >= kLeastInSlice * static_cast<double>(all);
+  }
+
+  // Calls visit(submap, point in the world) for each point that is drawn.
+  template <typename Visit>
+  void visit(const Visit& visit) const {
+    for (std::size_t i = 0; i < result_.submaps.size(); ++i) {
+      const CloudPicture& cloud = result_.picture->clouds[i];
+      const Eigen::Isometry3d T = result_.submaps[i].T_world_submap.isometry();
+      for (std::size_t k = 0; k < cloud.points.size(); ++k) {
+        const Eigen::Vector3d point_m = T * cloud.point_m(k);
+        const double height_m = point_m.z() - sensors_m_[i];
+        if (!sliced_ || (height_m >= kSliceLow_m && height_m <= kSliceHigh_m)) visit(i, point_m);
+      }
     }
   }
-}
 
-// Where the robots were, and most of the points around them: single far ones must not shrink the map.
-Eigen::AlignedBox2d extent_of(const Result& result) {
-  Eigen::AlignedBox2d box;
-  for (const auto& path : result.picture->paths) {
-    for (const Eigen::Vector3d& point_m : path) box.extend(Eigen::Vector2d(point_m.head<2>()));
+  // The place that stands for a submap: its start, or the middle of a finished cloud, whose pose tells of no robot.
+  [[nodiscard]] Eigen::Vector3d place_m(const SubmapSummary& submap) const {
+    if (submap.scans) return submap.T_world_submap.translation_m();
+    const auto i = static_cast<std::size_t>(submap.id.value);
+    return {coordinate_m(i, 0, 0.5), coordinate_m(i, 1, 0.5), coordinate_m(i, 2, 0.5)};
   }
-  std::vector<double> reach_m;
-  visit_slice(result, [&](std::size_t, const Eigen::Vector3d& point_m) {
-    reach_m.push_back(std::sqrt(box.squaredExteriorDistance(Eigen::Vector2d(point_m.head<2>()))));
-  });
-  if (box.isEmpty()) return {Eigen::Vector2d(-1.0, -1.0), Eigen::Vector2d(1.0, 1.0)};
-  double margin_m = 1.0;
-  if (!reach_m.empty()) {
-    const auto most = reach_m.begin() + static_cast<std::ptrdiff_t>(reach_m.size() * 97 / 100);
-    std::nth_element(reach_m.begin(), most, reach_m.end());
-    margin_m += std::min(*most, 0.5 * box.sizes().maxCoeff() + 10.0);
-  }
-  const Eigen::Vector2d margin = Eigen::Vector2d::Constant(margin_m);
-  return {Eigen::Vector2d(box.min() - margin), Eigen::Vector2d(box.max() + margin)};
-}
 
-void draw_pairs(Image& image, const TopView& view, const Result& result, Verdict verdict) {
+  // Where the robots were, and most of the points around them: single far ones must not shrink the map. Of finished
+  // clouds most of their points.
+  [[nodiscard]] Eigen::AlignedBox2d extent() const {
+    Eigen::AlignedBox2d box = seen_from();
+    if (box.isEmpty()) return {Eigen::Vector2d(-1.0, -1.0), Eigen::Vector2d(1.0, 1.0)};
+    std::vector<double> reach_m;
+    visit([&](std::size_t, const Eigen::Vector3d& point_m) {
+      reach_m.push_back(std::sqrt(box.squaredExteriorDistance(Eigen::Vector2d(point_m.head<2>()))));
+    });
+    const double most_m = percentile(std::move(reach_m), 0.97);
+    const Eigen::Vector2d margin =
+        Eigen::Vector2d::Constant(1.0 + std::min(most_m, 0.5 * box.sizes().maxCoeff() + 10.0));
+    return {Eigen::Vector2d(box.min() - margin), Eigen::Vector2d(box.max() + margin)};
+  }
+
+ private:
+  // Of a submap's points in the world, the coordinate along an axis that a share of them lies below.
+  [[nodiscard]] double coordinate_m(std::size_t submap, int axis, double share) const {
+    const CloudPicture& cloud = result_.picture->clouds[submap];
+    const Eigen::Isometry3d T = result_.submaps[submap].T_world_submap.isometry();
+    std::vector<double> values_m;
+    values_m.reserve(cloud.points.size());
+    for (std::size_t k = 0; k < cloud.points.size(); ++k) values_m.push_back((T * cloud.point_m(k))[axis]);
+    return percentile(std::move(values_m), share);
+  }
+
+  [[nodiscard]] double sensor_height_m(std::size_t submap) const {
+    if (result_.submaps[submap].scans) return result_.submaps[submap].T_world_submap.translation_m().z();
+    return coordinate_m(submap, 2, kBelowFloor) + kSensorAboveFloor_m;
+  }
+
+  [[nodiscard]] Eigen::AlignedBox2d seen_from() const {
+    Eigen::AlignedBox2d box;
+    for (std::size_t robot = 0; robot < result_.robots.size(); ++robot) {
+      if (result_.robots[robot].finished_submaps) continue;
+      for (const Eigen::Vector3d& point_m : result_.picture->paths[robot]) {
+        box.extend(Eigen::Vector2d(point_m.head<2>()));
+      }
+    }
+    for (std::size_t i = 0; i < result_.submaps.size(); ++i) {
+      if (result_.submaps[i].scans || result_.picture->clouds[i].points.empty()) continue;
+      for (const double share : {0.02, 0.98}) {
+        box.extend(Eigen::Vector2d(coordinate_m(i, 0, share), coordinate_m(i, 1, share)));
+      }
+    }
+    return box;
+  }
+
+  const Result& result_;
+  std::vector<double> sensors_m_;  // by submap, in the world
+  bool sliced_ = true;
+};
+
+void draw_pairs(Image& image, const TopView& view, const MapScene& scene, const Result& result, Verdict verdict) {
   for (const PairResult& pair : result.pairs) {
     if (pair.verdict.verdict != verdict) continue;
-    const Eigen::Vector2d a = view.pixel(result.submap(pair.id.target).T_world_submap.translation_m());
-    const Eigen::Vector2d b = view.pixel(result.submap(pair.id.source).T_world_submap.translation_m());
+    const Eigen::Vector2d a = view.pixel(scene.place_m(result.submap(pair.id.target)));
+    const Eigen::Vector2d b = view.pixel(scene.place_m(result.submap(pair.id.source)));
     image.line(a.x(), a.y(), b.x(), b.y(), verdict == Verdict::kInconsistent ? 3 : 1, verdict_colour(verdict),
                verdict == Verdict::kUnverified ? 4 : 0);
   }
@@ -192,10 +260,11 @@ std::string matrix_png(const Result& result, const std::map<PairId, double>& cel
 }
 
 std::string map_png(const Result& result) {
-  const TopView view(extent_of(result));
+  const MapScene scene(result);
+  const TopView view(scene.extent());
   Image image(view.width(), view.height(), kPaper);
   const std::vector<Rgb> colours = colours_of_submaps(result);
-  visit_slice(result, [&](std::size_t submap, const Eigen::Vector3d& point_m) {
+  scene.visit([&](std::size_t submap, const Eigen::Vector3d& point_m) {
     const Eigen::Vector2d at = view.pixel(point_m);
     if (!(at.cwiseAbs().maxCoeff() < 1e6)) return;
     image.set(static_cast<int>(at.x()), static_cast<int>(at.y()), colours[submap]);
@@ -209,7 +278,7 @@ std::string map_png(const Result& result) {
     }
   }
   for (const Verdict verdict : {Verdict::kConsistent, Verdict::kUnverified, Verdict::kInconsistent}) {
-    draw_pairs(image, view, result, verdict);
+    draw_pairs(image, view, scene, result, verdict);
   }
   return image.png();
 }

@@ -115,6 +115,36 @@ TEST(MapPng, ShowsTheInconsistentPair) {
   EXPECT_LE(image.width(), 1300);
 }
 
+// Clouds in world coordinates, as other programs write them: their poses tell of no robot.
+TEST(MapPng, ShowsFinishedCloudsWhereverTheirPosesAre) {
+  Result result = drawn_result();
+  result.picture->paths = {{{0.0, 0.0, 0.0}}, {{0.0, 0.0, 0.0}}};
+  for (RobotSummary& robot : result.robots) robot.finished_submaps = true;
+  for (SubmapSummary& submap : result.submaps) {
+    submap.scans.reset();
+    submap.T_world_submap = Pose3();
+    CloudPicture& cloud = result.picture->clouds[static_cast<std::size_t>(submap.id.value)];
+    cloud.origin_m = {200.0 + 5.0 * submap.id.value, 100.0, 30.0};
+    cloud.step_m = 0.01;
+    cloud.points.clear();
+    for (std::uint16_t x = 0; x < 1000; x += 10) {
+      for (std::uint16_t z = 0; z <= 250; z += 25) cloud.points.push_back({x, static_cast<std::uint16_t>(x / 2), z});
+    }
+    cloud.misalignment.assign(cloud.points.size(), 0);
+  }
+  const Image image = decoded(map_png(result));
+  int drawn = 0;
+  int bad = 0;
+  for (int y = 0; y < image.height(); ++y) {
+    for (int x = 0; x < image.width(); ++x) {
+      drawn += image.at(x, y) != Rgb{255, 255, 255};
+      bad += image.at(x, y) == verdict_colour(Verdict::kInconsistent);
+    }
+  }
+  EXPECT_GT(drawn, 300);
+  EXPECT_GT(bad, 100);  // from the middle of one cloud to that of the other
+}
+
 TEST(ColouredPly, HoldsEveryPointWithItsRobotSubmapAndMisalignment) {
   const Result result = drawn_result();
   const std::string ply = coloured_ply(result, 0.1);
