@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: The kilter authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""The report in a real browser: viewer/test/report_test.mjs clicks, types and looks; here its lines become tests.
+"""The report in a real browser: viewer/test/report_test.mjs clicks, types and looks; here its lines become tests, and those
+of viewer/test/words_test.mjs, which needs no browser.
 
 Needs node, viewer/node_modules and a Chromium; without one of them all is skipped. Screenshots are left in the build
 folder, viewer-shots/, to be looked at.
@@ -97,19 +98,26 @@ class Viewer(unittest.TestCase):
                 poses.write_text("".join(f"{row[0]} 0 0 0 0 0 0 1\n" for row in rows))
             return self.check("clouds", tiny.folder / "finished")
 
+    def check_lines(self, script, *arguments):
+        """Each line of a script of viewer/test as a test of its own; how many there were."""
+        command = ["node", SOURCE_DIR / "viewer/test" / script, *arguments]
+        done = subprocess.run(command, capture_output=True, text=True, timeout=540, check=False)
+        lines = [json.loads(line) for line in done.stdout.splitlines()]
+        self.assertEqual(done.returncode, 0, done.stderr)
+        for line in lines:
+            with self.subTest(line["name"]):
+                self.assertTrue(line["ok"], line["error"])
+        return len(lines)
+
+    def test_it_has_an_answer_to_every_reason(self):
+        self.assertGreaterEqual(self.check_lines("words_test.mjs"), 6)
+
     def test_the_report_does_what_it_shows(self):
         report = self.simulated()
         if b"built without its viewer" in report.read_bytes():
             self.skipTest("kilter was built without its viewer")
-        script = SOURCE_DIR / "viewer/test/report_test.mjs"
-        command = ["node", script, report, self.hostile(), self.fleet(), self.clouds(), self.shots]
-        done = subprocess.run(command, capture_output=True, text=True, timeout=540, check=False)
-        lines = [json.loads(line) for line in done.stdout.splitlines()]
-        self.assertEqual(done.returncode, 0, done.stderr)
-        self.assertGreaterEqual(len(lines), 12)
-        for line in lines:
-            with self.subTest(line["name"]):
-                self.assertTrue(line["ok"], line["error"])
+        pages = [report, self.hostile(), self.fleet(), self.clouds()]
+        self.assertGreaterEqual(self.check_lines("report_test.mjs", *pages, self.shots), 12)
 
     def test_the_report_command_writes_the_same_bytes(self):
         with TinyMission() as tiny:

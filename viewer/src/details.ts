@@ -3,12 +3,13 @@
 // What was measured on the selected pair, in words, as a histogram and as evidence.
 import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
+import { action, correctionOpen, cure, notBelieved } from "./advice.js";
 import type { Evidence, Histogram, Pair } from "./archive.js";
 import { css, sourceColour, targetColour } from "./colours.js";
 import { byId, element } from "./dom.js";
 import { themed } from "./scene.js";
 import type { State } from "./state.js";
-import { action, centimetres, correctionOpen, degrees, interval, kindInWords, large, parts, probability, shift } from "./words.js";
+import { centimetres, degrees, interval, kindInWords, large, probability } from "./words.js";
 
 /** Expected counts of a normal truncated to [0, d], at the middle of each bin. */
 export function fitted(histogram: Histogram, mu: number | null, sigma: number | null): (number | null)[] {
@@ -65,12 +66,18 @@ function speaks(ratio: number): string {
   return `${how} for ${ratio > 0 ? "being apart" : "fitting together"}`;
 }
 
+function neighbours(agreeing: number, contradicting: number): string {
+  if (agreeing === 0 && contradicting === 0) return "no other pair around it can tell";
+  if (agreeing === contradicting) return "its neighbours are divided";
+  return contradicting > agreeing ? "its neighbours contradict it" : "its neighbours agree";
+}
+
 function verdictOf(name: string, piece: Evidence): string {
   if (piece.log_ratio !== null) return speaks(piece.log_ratio);
   if (name === "ambiguity" && piece.value !== null) return piece.value > 0.7 ? "another place fits nearly as well" : "no other place fits as well";
   if (name === "bend_m" && piece.value !== null) return "how far a submap itself is bent";
   if (piece.value === null || piece.null === null) return "nothing to compare with";
-  if (name === "agreeing") return piece.null > piece.value ? "its neighbours contradict it" : "its neighbours agree";
+  if (name === "agreeing") return neighbours(piece.value, piece.null);
   if (name === "support") {
     if (piece.null <= 0) return "nothing agrees once registered";
     const gain = piece.null / Math.max(piece.value, 1);
@@ -86,14 +93,20 @@ function verdictOf(name: string, piece: Evidence): string {
   return "";
 }
 
+function offset(pair: Pair): string {
+  if (pair.offset_m === null) return "not measured";
+  if (correctionOpen(pair)) return notBelieved(pair);
+  return [centimetres(pair.offset_m), interval(pair) && `${interval(pair)} at 95 %`, degrees(pair)].filter(Boolean).join("; ");
+}
+
 function facts(state: State): HTMLElement {
   const number = state.selected;
   const pair = state.pairs[number]!;
-  const moves = shift(parts(state.archive, number));
+  const mended = cure(state.archive, number);
   const rows: [string, string][] = [
     ["What it is", kindInWords[pair.kind]],
-    ["Offset", pair.offset_m === null ? "not measured" : [centimetres(pair.offset_m), interval(pair) && `${interval(pair)} at 95 %`, degrees(pair)].filter(Boolean).join("; ")],
-    ["To mend it", moves === "" || correctionOpen(pair) ? "unknown" : `move ${pair.source} ${moves}`],
+    ["Offset", offset(pair)],
+    ["To mend it", mended === null ? "unknown" : `move ${pair.source} ${mended.moved}${mended.best ? ", which mends it in part" : ""}${mended.open}`],
     ["Gap between double walls", centimetres(pair.gap_m)],
     ["Smallest offset seen here", centimetres(pair.minimum_detectable_m)],
     ["Directions left open", pair.unobservable === null ? "unknown" : pair.unobservable.length === 0 ? "none" : `${pair.unobservable.length}, drawn as a dashed axis`],

@@ -1,10 +1,11 @@
 // SPDX-FileCopyrightText: The kilter authors
 // SPDX-License-Identifier: BSD-3-Clause
 // The worst places first: pairs that disagree at one place make one entry.
+import { action, correctionOpen, cure } from "./advice.js";
 import type { Archive, Pair } from "./archive.js";
 import { byId, element } from "./dom.js";
 import type { State } from "./state.js";
-import { action, centimetres, correctionOpen, degrees, kindInWords, parts, probability, shift } from "./words.js";
+import { centimetres, degrees, kindInWords, probability } from "./words.js";
 
 export interface Place {
   /** Its worst pair, and all of them. */
@@ -50,7 +51,7 @@ function card(state: State, place: Place, sign: string): HTMLElement {
   const pair = state.pairs[place.pair]!;
   const more = place.pairs.length - 1;
   const offset = [centimetres(pair.offset_m), degrees(pair)].filter((text) => text !== "").join(", ");
-  const moves = shift(parts(state.archive, place.pair));
+  const mended = cure(state.archive, place.pair);
   const known = pair.offset_m !== null && !correctionOpen(pair);
   return element(
     "button",
@@ -67,7 +68,7 @@ function card(state: State, place: Place, sign: string): HTMLElement {
       element("b", {}, known ? `${offset} apart` : "offset not known"),
       ` ${pair.target} and ${pair.source}`,
       element("small", {}, `${kindInWords[pair.kind]}; ${probability(pair.p_inconsistent)}`),
-      moves === "" || !known ? null : element("small", { class: "more" }, `${pair.source} would fit if moved ${moves}`),
+      mended && element("small", { class: "more" }, `${pair.source} would fit ${mended.best ? "best " : ""}if moved ${mended.moved}${mended.open}`),
       element("small", { class: "action more" }, action(state.archive, place.pair)),
       more === 0 ? null : element("small", { class: "more" }, `${more} more pair${more === 1 ? "" : "s"} of these robots disagree here`),
     ),

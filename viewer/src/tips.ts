@@ -1,13 +1,19 @@
 // SPDX-FileCopyrightText: The kilter authors
 // SPDX-License-Identifier: BSD-3-Clause
+import { correctionOpen, notBelieved } from "./advice.js";
 import type { Pair } from "./archive.js";
 import { element } from "./dom.js";
 import { centimetres, degrees, interval, kindInWords, large, shortProbability } from "./words.js";
 
 /** All numbers of a pair that fit under a pointer. */
 export function pairTip(pair: Pair): HTMLElement {
+  const offset = () => {
+    if (pair.offset_m === null) return "not measured";
+    if (correctionOpen(pair)) return notBelieved(pair);
+    return [interval(pair) === "" ? centimetres(pair.offset_m) : `${centimetres(pair.offset_m)} (${interval(pair)})`, degrees(pair)].filter(Boolean).join(", ");
+  };
   const rows: [string, string][] = [
-    ["offset", pair.offset_m === null ? "not measured" : `${centimetres(pair.offset_m)} (${interval(pair)}), ${degrees(pair)}`],
+    ["offset", offset()],
     ["probability of being inconsistent", shortProbability(pair.p_inconsistent)],
     ["Γ as in the map", large(pair.gamma)],
     ["Θ once registered", large(pair.theta)],

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: The kilter authors
 // SPDX-License-Identifier: BSD-3-Clause
 // The answer, before anything else.
+import { bentInside } from "./advice.js";
 import type { Kind, Result, Verdict } from "./archive.js";
 import { byId, element } from "./dom.js";
 import { centimetres } from "./words.js";
@@ -83,6 +84,16 @@ function robots(result: Result): string {
   return `${result.robots.length} robots, ${submaps} pieces, ${Math.round(path_m)} m.`;
 }
 
+const kManyBent = 1 / 3; // of the inconsistent pairs; then poses of whole submaps are no cure
+
+function bends(result: Result): string {
+  const { inconsistent } = result.system;
+  const tolerance = Number(result.config["tolerance"]);
+  const bent = result.pairs.filter((pair) => pair.verdict === "inconsistent" && bentInside(pair, tolerance)).length;
+  if (bent === 0 || bent < kManyBent * inconsistent) return "";
+  return ` ${bent} of the ${inconsistent} are bent inside: see to stamps, de-skewing, the sensor's mounting and slips within submaps first.`;
+}
+
 const sentence = (text: string): string => text.charAt(0).toUpperCase() + text.slice(1);
 
 export function showVerdict(result: Result): void {
@@ -95,7 +106,7 @@ export function showVerdict(result: Result): void {
     element(
       "div",
       { class: "why" },
-      element("p", {}, element("b", {}, `${sentence(result.system.reason)}.`), ` What you can live with: ${centimetres(tolerance)}.`),
+      element("p", {}, element("b", {}, `${sentence(result.system.reason)}.`), ` What you can live with: ${centimetres(tolerance)}.${bends(result)}`),
       element("p", {}, certificate(result)),
       element("p", { class: "quiet" }, `${decided(result)} ${robots(result)}${left > 0 ? ` ${left} more pairs overlap too little to be tested.` : ""}`),
     ),

@@ -1,0 +1,154 @@
+// SPDX-FileCopyrightText: The kilter authors
+// SPDX-License-Identifier: BSD-3-Clause
+//
+// node words_test.mjs: what the report says of made-up pairs, and that it has an answer to every reason that the program
+// can give. Prints a line of JSON per test; tests/viewer_test.py runs it.
+import assert from "node:assert/strict";
+import { readFileSync } from "node:fs";
+import { join } from "node:path";
+import { modules, root } from "./bundle.mjs";
+
+const { action, bentInside, correctionOpen, cure, parts, shift } = await modules("advice", "words");
+
+function test(name, body) {
+  let error = null;
+  try {
+    body();
+  } catch (caught) {
+    error = String(caught.stack ?? caught);
+  }
+  console.log(JSON.stringify({ name, ok: error === null, error }));
+}
+
+const submap = (id, at, scan = 0) => ({
+  id,
+  robot: id.split("/")[0],
+  index: Number(id.split("/")[1]),
+  first_scan: scan,
+  last_scan: scan === null ? null : scan + 9,
+  T_world_submap: [...at, 0, 0, 0, 1],
+  occupied: 1,
+});
+
+/** Robot a goes along x and turns to y in its last submap; b is one finished cloud. */
+function archive(pair = {}, source = 1, more = []) {
+  const submaps = [submap("a/1", [0, 0, 0]), submap("a/2", [10, 0, 0], 10), submap("b/1", [3, 0, 0], null)];
+  const bad = {
+    target: "a/1",
+    source: submaps[source].id,
+    kind: "sequential",
+    verdict: "inconsistent",
+    reason: "offset 147.0 cm (140.0 to 150.0 cm): above the tolerance of 10.0 cm",
+    evidence: {},
+    offset_m: 1.47,
+    offset_vector: [-1.2, 0.85, 0],
+    p_value: 1e-6,
+    unobservable: [],
+    ...pair,
+  };
+  return {
+    result: { config: { tolerance: 0.1 }, robots: [{ name: "a" }, { name: "b" }], submaps, pairs: [bad, ...more] },
+    paths: [Float64Array.from([0, 0, 0, 10, 0, 0, 10, 8, 0]), Float64Array.from([3, 0, 0])],
+    pairs: [{ source, target: 0 }, ...more.map(() => ({ source: 2, target: 0 }))],
+  };
+}
+
+test("a way that ends after a turn is followed to its end", () => {
+  const given = parts(archive(), 0);
+  assert.ok(Math.abs(given.along - 0.85) < 1e-9 && Math.abs(given.across - 1.2) < 1e-9, JSON.stringify(given));
+  assert.equal(shift(given), "85 cm ahead, 120 cm to the left");
+});
+
+test("without a way the world's axes tell the direction", () => {
+  assert.equal(shift(parts(archive({}, 2), 0)), "x-120 y+85 cm in world axes");
+  const still = archive();
+  still.paths[0] = Float64Array.from([0, 0, 0, 10, 0.05, 0]);
+  assert.equal(shift(parts(still, 0)), "x-120 y+85 cm in world axes");
+  assert.equal(shift({ x: 0.052, y: 0, z: -0.03 }), "x+5.2 z-3.0 cm in world axes");
+});
+
+test("what open directions and bends leave is no cure", () => {
+  assert.deepEqual(cure(archive(), 0), { moved: "85 cm ahead, 120 cm to the left", best: false, open: "" });
+  assert.match(cure(archive({ unobservable: [[1, 0, 0, 0, 0, 0]] }), 0).open, /along the dashed axis nothing is known/);
+  const reason = "offset 147.0 cm (140.0 to 150.0 cm): above the tolerance of 10.0 cm; no rigid motion mends all of it, the source is bent, or slipped inside";
+  const bent = archive({ reason, evidence: { bend_m: { value: 0.2, null: null, log_ratio: null } } });
+  assert.ok(cure(bent, 0).best && bentInside(bent.result.pairs[0], 0.1));
+  assert.match(action(bent, 0), /a\/2 is bent.*stamps, de-skewing.*first\. The poses of/);
+  const only = archive({ offset_m: 0.05, reason: "offset 5.0 cm (4.0 to 6.0 cm), but with it parts of the overlap lie 20.0 cm apart (RMS), above the tolerance of 10.0 cm: the target is bent, or slipped inside" });
+  assert.match(action(only, 0), /a\/1 is bent.*first\.$/);
+  assert.doesNotMatch(action(archive(), 0), /bent or slipped/);
+});
+
+test("others are to be mended first only where there are others", () => {
+  const open = { evidence: { support: { value: 1, null: 90, log_ratio: 4 } } };
+  assert.ok(correctionOpen(archive(open).result.pairs[0]));
+  assert.equal(cure(archive(open), 0), null);
+  assert.doesNotMatch(action(archive(open), 0), /others/);
+  const other = { ...archive().result.pairs[0], source: "b/1" };
+  assert.match(action(archive(open, 1, [other]), 0), /Mend the others around it first/);
+});
+
+const kOffset = "offset 48.2 cm (40.1 to 55.0 cm)";
+// Reasons of pairs that are not decided, and what the report answers.
+const kReasons = [
+  ["too little overlap: 31 voxels of one match, 200 are needed", /saw too little in common/],
+  ["too little overlap: 4 % of the voxels match, 10 % are needed", /saw too little in common/],
+  ["too little overlap", /saw too little in common/],
+  ["too little overlap: 4 % of the voxels match, 10 % are needed; moved by 1.2 m, within what odometry may have drifted, it would overlap 40 %", /if odometry drifted/],
+  ["too little overlap: of 900 voxels that match, 3 show a side that both saw, and no free space speaks against the map: the places may differ", /from opposite sides/],
+  ["registration failed: not tried", /could not be brought together/],
+  ["registration failed: did not settle", /could not be brought together/],
+  ["registration failed: nothing in the scene fixes the pose", /fixes no pose/],
+  [`${kOffset}; of the 7 registrations around it that could tell, 5 ask for another correction: it may have settled in the wrong place`, /ended 48 cm off, but the pairs around it/],
+  [`${kOffset}; it was found where a neighbour's correction would put it, and no registration around it confirms it`, /no other pair says the same/],
+  [`${kOffset}; ambiguous: 2.5 m from there it fits 93 % as well`, /two places fit nearly as well/],
+  [`${kOffset}; registration lost overlap (40 % to 20 %): the places may differ`, /share less than as mapped/],
+  [`${kOffset}; after registration 9 % of what both saw still conflicts (typical of this map: 1 %): the places differ, or registration settled in the wrong place`, /contradict each other/],
+  [`${kOffset}; after registration it agrees worse than other pairs of this map (log10 Theta 1.20, typically 3.10), and points alone cannot say why`, /agree worse than others/],
+  [`${kOffset}, but what both saw conflicts more there: a similar place may be what fits`, /would fit 48 cm off, but there more stands/],
+  [`${kOffset}, but the pair agrees no better there`, /agree no better there/],
+  [`${kOffset}, but few voxels show a side that both saw, and no free space speaks against the map: the places may differ`, /from opposite sides/],
+  [`${kOffset}: not told from the tolerance of 10.0 cm over the whole map`, /among so many pairs/],
+  [`${kOffset}, 12.0 cm apart with what no rigid motion mends: not told from the tolerance of 10.0 cm over the whole map; its points are the centres of cells of 0.1 m, which leave 3.0 cm open (one sigma)`, /bent inside/],
+  [`${kOffset}: below the tolerance of 10.0 cm, but with 0.5 of all pairs believed inconsistent before looking it is not told from that: 0.2 is left`, /prior_inconsistent/],
+  [`${kOffset}, but a direction that nothing in the scene fixes could hide 30.0 cm`, /along the dashed axis/],
+  [`${kOffset}: its points are the centres of cells of 0.4 m, which leave 9.0 cm open (one sigma), too much for the tolerance of 10.0 cm`, /cells are too coarse/],
+  [`${kOffset}: too uncertain to be told from the tolerance of 10.0 cm; only 12 % show a side that both saw: the map's verdict does not wait for it`, /tells the offset no better/],
+  ["Gamma is infinite: all distances are equal or zero, but registration does not verify it: it reaches infinity", /registration makes it no better/],
+  ["registration failed: it ended where too few voxels match; Gamma is infinite: all distances are equal or zero", /could not be brought together/],
+  ["Gamma has no scale of its own, and 1 registered pair is too few to compare it with (3 would do)", /here are too few/],
+  ["log10 Gamma 1.20 is low for this map (from 2.00), but registration does not verify it: it reaches 1.30", /registration makes it no better/],
+];
+
+test("each reason for not deciding has its own advice", () => {
+  for (const [reason, says] of kReasons) {
+    const words = action(archive({ verdict: "unverified", p_value: null, reason, offset_m: 0.482 }), 0);
+    assert.match(words, /^Not decided: /);
+    assert.match(words, says, reason);
+    const unmeasured = action(archive({ verdict: "unverified", p_value: null, reason, offset_m: null }), 0);
+    assert.doesNotMatch(unmeasured, /@|  /);
+  }
+});
+
+/** The string literals of a C++ source, neighbours joined, outside the tables of options. */
+function literals(file) {
+  const source = readFileSync(join(root, file), "utf8")
+    .replace(/^ *\/\/.*$/gm, "")
+    .replace(/^#include .*$/gm, "")
+    .replace(/\nstd::vector<OptionField> fields[^]*?\n}\n/, "\n");
+  return [...source.matchAll(/"(?:[^"\\]|\\.)*"(?:\s*"(?:[^"\\]|\\.)*")*/g)].map(([all]) => all.replace(/"\s*"/g, "").slice(1, -1));
+}
+
+test("every phrase that the program puts into such a reason is among them", () => {
+  const escaped = (text) => text.replace(/[.*+?^$()|[\]\\]/g, "\\$&");
+  const told = ["judge_pair.cc", "judge_notes.cc", "judge_by_gamma.cc"].flatMap((file) => literals(`src/kilter/verification/${file}`));
+  const phrases = told.filter((text) => text.split(" ").length > 3);
+  assert.ok(phrases.length > 20, String(phrases.length));
+  // Of pairs that are decided all the same, or decided without registration.
+  const decided = ["is {} this map (from {:.2f})", ", registered {}: verified", "Gamma is of the map's pose, and registration left it", "one of the two"];
+  for (const phrase of phrases) {
+    if (decided.some((known) => phrase.includes(known))) continue;
+    const pattern = new RegExp(phrase.split(/\{[^}]*\}/).map(escaped).join(".*"));
+    assert.ok(kReasons.some(([reason]) => pattern.test(reason)), phrase);
+  }
+});
