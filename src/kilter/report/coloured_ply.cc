@@ -14,6 +14,7 @@
 namespace kilter {
 namespace {
 
+constexpr double kMost_m = 254 * Picture::kMisalignmentStep_m;
 constexpr std::size_t kBytesPerPoint = 3 * sizeof(double) + 3 + 3 * sizeof(std::uint32_t);
 
 template <typename Word>
@@ -23,6 +24,7 @@ void append_little_endian(std::string& bytes, Word word) {
 
 std::string header(const Result& result, std::size_t points) {
   std::string text = "ply\nformat binary_little_endian 1.0\ncomment kilter, world frame, metres\n";
+  text += fmt::format("comment misalignment {:.2f} is that or more, -1 none known\n", kMost_m);
   for (std::size_t i = 0; i < result.robots.size(); ++i) {
     text += fmt::format("comment robot {} {}\n", i, printable(result.robots[i].name));
   }

@@ -150,6 +150,7 @@ TEST(ColouredPly, HoldsEveryPointWithItsRobotSubmapAndMisalignment) {
   const std::string ply = coloured_ply(result, 0.1);
   const std::size_t body = ply.find("end_header\n") + 11;
   ASSERT_NE(ply.find("element vertex 6\n"), std::string::npos);
+  EXPECT_NE(ply.find("comment misalignment 2.54 is that or more, -1 none known\n"), std::string::npos);
   EXPECT_EQ(ply.size() - body, 6U * 39U);
   const auto word = [&](std::size_t at) {
     std::uint32_t value = 0;
