@@ -98,6 +98,11 @@ class Viewer(unittest.TestCase):
                 poses.write_text("".join(f"{row[0]} 0 0 0 0 0 0 1\n" for row in rows))
             return self.check("clouds", tiny.folder / "finished")
 
+    def alone(self):
+        """A report of one submap, which meets no other."""
+        with TinyMission() as tiny:
+            return self.check("alone", tiny.copy("one"))
+
     def check_lines(self, script, *arguments):
         """Each line of a script of viewer/test as a test of its own; how many there were."""
         command = ["node", SOURCE_DIR / "viewer/test" / script, *arguments]
@@ -116,8 +121,8 @@ class Viewer(unittest.TestCase):
         report = self.simulated()
         if b"built without its viewer" in report.read_bytes():
             self.skipTest("kilter was built without its viewer")
-        pages = [report, self.hostile(), self.fleet(), self.clouds()]
-        self.assertGreaterEqual(self.check_lines("report_test.mjs", *pages, self.shots), 12)
+        pages = [report, self.hostile(), self.fleet(), self.clouds(), self.alone()]
+        self.assertGreaterEqual(self.check_lines("report_test.mjs", *pages, self.shots), 20)
 
     def test_the_report_command_writes_the_same_bytes(self):
         with TinyMission() as tiny:

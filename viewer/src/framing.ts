@@ -22,6 +22,12 @@ export function percentile(numbers: number[], share: number): number {
   return numbers[Math.min(numbers.length - 1, Math.floor(share * numbers.length))] ?? 0;
 }
 
+export function meanOf(points: Vector3[]): Vector3 {
+  const sum = new Vector3();
+  for (const point of points) sum.add(point);
+  return sum.divideScalar(Math.max(1, points.length));
+}
+
 /** From a cloud's points to the world less some place of it: the large numbers are gone before floats are. */
 export function worldFromCloud(archive: Archive, submap: number, less: Vector3): Matrix4 {
   const pose = archive.result.submaps[submap]!.T_world_submap;

@@ -5,11 +5,13 @@ import { Vector3 } from "three";
 import type { Verdict } from "./archive.js";
 import { css, misalignmentColour, robotColour, scaleColour, verdictColour } from "./colours.js";
 import { byId, choice, element, hideTip, showTip } from "./dom.js";
-import { extentOf, isFinished, kEverything, kWalls, placeOf, sensorHeight, wallsShow, worldFromCloud } from "./framing.js";
+import { extentOf, isFinished, kEverything, kWalls, meanOf, placeOf, sensorHeight, wallsShow, worldFromCloud } from "./framing.js";
+import { paintPin, ramp, shortened } from "./marks.js";
 import type { Place } from "./places.js";
 import { CloudPoints, halo, Pane, themed, ThinLines } from "./scene.js";
 import type { State } from "./state.js";
 import { pairTip } from "./tips.js";
+import { centimetres } from "./words.js";
 
 type Colouring = "robot" | "height" | "misalignment";
 
@@ -20,6 +22,7 @@ interface Edge {
 }
 
 const kNearPixels = 9;
+const kMostMisaligned = 2.54; // that a byte tells. [m]
 
 export class MapView {
   readonly pane = new Pane("map seen from above", true);
@@ -41,7 +44,7 @@ export class MapView {
   ) {
     const archive = state.archive;
     this.nodes = archive.result.submaps.map((_, submap) => placeOf(archive, submap));
-    this.origin = centreOf(this.nodes);
+    this.origin = meanOf(this.nodes);
     for (const node of this.nodes) node.sub(this.origin);
     const total = archive.clouds.reduce((sum, cloud) => sum + cloud.points.length / 3, 0);
     const positions = new Float32Array(3 * total);
@@ -216,9 +219,9 @@ export class MapView {
       this.legend.replaceChildren(
         swatch,
         "seen once or undecided; off by ",
-        `${Math.round(10 * tolerance)} cm`,
+        centimetres(tolerance / 10),
         ramp((share) => css(misalignmentColour(stop(share), tolerance))),
-        `${Math.min(2.54, 10 * tolerance).toFixed(1)} m`,
+        `${centimetres(Math.min(kMostMisaligned, 10 * tolerance))} or more`,
       );
     }
     this.pane.root.dataset["colouring"] = by;
@@ -387,47 +390,11 @@ export class MapView {
   }
 
   private paintPins(context: CanvasRenderingContext2D, width: number, height: number, paper: string): void {
-    const bad = css(verdictColour("inconsistent"));
     for (let rank = Math.min(this.places.length, 12) - 1; rank >= 0; rank--) {
       const place = this.places[rank]!;
       const at = this.pinOf(place.pair, width, height);
       const chosen = place.pairs.includes(this.state.selected);
-      const size = chosen ? 13 : 10;
-      context.beginPath();
-      context.moveTo(at.x, at.y);
-      context.lineTo(at.x - size * 0.6, at.y - 14);
-      context.arc(at.x, at.y - 16 - (size - 10), size, Math.PI * 0.85, Math.PI * 2.15);
-      context.closePath();
-      context.fillStyle = bad;
-      context.strokeStyle = paper;
-      context.lineWidth = 2;
-      context.fill();
-      context.stroke();
-      context.fillStyle = "white";
-      context.font = `bold ${chosen ? 14 : 12}px system-ui, sans-serif`;
-      context.textAlign = "center";
-      context.textBaseline = "middle";
-      context.fillText(String(rank + 1), at.x, at.y - 16 - (size - 10));
+      paintPin(context, at, String(rank + 1), chosen, paper);
     }
   }
-}
-
-function centreOf(nodes: Vector3[]): Vector3 {
-  const centre = new Vector3();
-  for (const node of nodes) centre.add(node);
-  return centre.divideScalar(Math.max(1, nodes.length));
-}
-
-export const shortened = (name: string): string => (name.length <= 14 ? name : `~${name.slice(-13)}`);
-
-function ramp(colour: (share: number) => string): HTMLElement {
-  const canvas = element("canvas", { class: "ramp" });
-  canvas.width = 96;
-  canvas.height = 1;
-  const context = canvas.getContext("2d")!;
-  for (let x = 0; x < 96; x++) {
-    context.fillStyle = colour(x / 95);
-    context.fillRect(x, 0, 1, 1);
-  }
-  return canvas;
 }

@@ -6,8 +6,8 @@ import { kNothing, kSteps, kThrough, type Pair, type PairPicture, type Samples }
 import { belowColour, css, scaleColour, sourceColour, targetColour, verdictColour } from "./colours.js";
 import { byId, choice, element } from "./dom.js";
 import { isFinished, kEverything, kWalls, placeOf, sensorHeight, wallsShow, worldFromCloud } from "./framing.js";
+import { paintOpenDirections, shortened } from "./marks.js";
 import { CloudPoints, evenOrder, halo, Pane, themed } from "./scene.js";
-import { shortened } from "./map_view.js";
 import type { State } from "./state.js";
 import { rotation, translation } from "./words.js";
 
@@ -31,7 +31,8 @@ export class PairView {
   private walls: boolean;
   private target: Side | null = null;
   private source: Side | null = null;
-  private playing = 0;
+  private playing = 0; // counts what was played, or stopped
+  private readonly ends: HTMLButtonElement[];
   readonly chooseColours: (value: Colouring) => void;
 
   constructor(private readonly state: State) {
@@ -43,7 +44,12 @@ export class PairView {
       value: "0",
       id: "slider",
       label: "from the map's pose to the registered one",
-      on: { input: () => this.moved() },
+      on: {
+        input: () => {
+          this.playing++;
+          this.moved();
+        },
+      },
     });
     const colours = choice<Colouring>(
       "colour points by",
@@ -73,6 +79,13 @@ export class PairView {
         this.recolour();
       },
     );
+    const button = (text: string, title: string, press: () => void) =>
+      element("button", { type: "button", class: "end", title, on: { click: press } }, text);
+    this.ends = [
+      button("as in the map", "key m", () => this.set(0)),
+      button("after registration", "key r", () => this.set(1)),
+      button("play", "key p", () => this.play()),
+    ];
     byId("pair").replaceChildren(
       this.title,
       element("div", { class: "bar" }, colours.root, slice.root),
@@ -80,10 +93,10 @@ export class PairView {
       element(
         "div",
         { class: "bar slider" },
-        element("button", { type: "button", class: "end", title: "key m", on: { click: () => this.set(0) } }, "as in the map"),
+        this.ends[0]!,
         this.slider,
-        element("button", { type: "button", class: "end", title: "key r", on: { click: () => this.set(1) } }, "after registration"),
-        element("button", { type: "button", title: "key p", on: { click: () => this.play() } }, "play"),
+        this.ends[1]!,
+        this.ends[2]!,
       ),
       element("div", { class: "bar" }, this.note),
     );
@@ -110,18 +123,30 @@ export class PairView {
     return Number(this.slider.value);
   }
 
+  private get registered(): boolean {
+    return (this.pair?.T_target_source_registered ?? null) !== null;
+  }
+
+  /** What the user asks for; ends what is played. */
   set(alpha: number): void {
+    this.playing++;
+    this.show(alpha);
+  }
+
+  private show(alpha: number): void {
+    if (!this.registered) return;
     this.slider.value = String(alpha);
     this.moved();
   }
 
   play(): void {
+    if (!this.registered) return;
     const run = ++this.playing;
     const start = performance.now();
     const step = () => {
       const t = (performance.now() - start) / 1200;
       if (run !== this.playing) return;
-      this.set(t >= 4 ? 0 : (1 - Math.cos(Math.PI * Math.min(t, 4))) / 2);
+      this.show(t >= 4 ? 0 : (1 - Math.cos(Math.PI * Math.min(t, 4))) / 2);
       if (t < 4) requestAnimationFrame(step);
     };
     requestAnimationFrame(step);
@@ -179,7 +204,7 @@ export class PairView {
     this.playing++;
     this.slider.value = "0";
     const { pair, picture } = this;
-    this.slider.disabled = !pair?.T_target_source_registered;
+    for (const control of [this.slider, ...this.ends]) control.disabled = !this.registered;
     if (!pair || !picture) {
       this.title.replaceChildren("No pair selected");
       this.pane.render();
@@ -274,14 +299,17 @@ export class PairView {
     }
     const d = this.pair?.d ?? 1;
     const known = source.samples.before.length > 0;
+    const free = this.pair?.evidence[after ? "conflict_registered" : "conflict"]?.value ?? null;
     this.note.replaceChildren(
       plain
-        ? "drag to turn, wheel to zoom; walls that stand twice meet when the slider goes right"
+        ? `drag to turn, wheel to zoom; ${this.registered ? "walls that stand twice meet when the slider goes right" : "no registered pose: both stay as in the map"}`
         : !known
           ? "this pair overlaps too little: no distances were measured"
           : this.colouring === "distance"
             ? `dark: the other surface is here; bright: ${d} m away; grey: nothing within ${d} m (${after ? "after registration" : "as in the map"})`
-            : `${through} of ${bytesOf(source) + bytesOf(target)} points stand where the other submap saw through (${after ? "after registration" : "as in the map"})`,
+            : free === null
+              ? "not measured: these clouds carry no free space here"
+              : `${through} of ${bytesOf(source) + bytesOf(target)} points stand where the other submap saw through (${after ? "after registration" : "as in the map"})`,
     );
     this.pane.clouds = sides.map(([side]) => (plain ? side.cloud : side.sampled));
     this.pane.render();
@@ -326,7 +354,7 @@ export class PairView {
     const paper = themed("--canvas");
     const { pair, picture } = this;
     if (!pair || !picture) return;
-    this.paintUnobservable(context, width, height, ink, paper);
+    paintOpenDirections(this.pane, pair, rotation(this.state.archive.result.submaps[picture.target]!.T_world_submap), context);
     const archive = this.state.archive;
     context.font = "bold 12px system-ui, sans-serif";
     context.textAlign = "center";
@@ -350,52 +378,6 @@ export class PairView {
       halo(context, `${what}${shortened(archive.result.submaps[submap]!.id)}`, where.x, where.y + (above ? -8 : 8), ink, paper);
     }
     this.pane.scaleBar(context, width, height, ink);
-  }
-
-  private paintUnobservable(context: CanvasRenderingContext2D, width: number, height: number, ink: string, paper: string): void {
-    const { pair, picture } = this;
-    const q = rotation(this.state.archive.result.submaps[picture!.target]!.T_world_submap);
-    const reach = 0.35 * Math.min(width, height) * this.pane.metresPerPixel(height);
-    let line = 0;
-    for (const twist of pair!.unobservable ?? []) {
-      const slide = new Vector3(twist[0], twist[1], twist[2]);
-      const turn = new Vector3(twist[3], twist[4], twist[5]);
-      const slides = slide.length() >= turn.length();
-      const axis = (slides ? slide : turn).clone().normalize().applyQuaternion(q);
-      // A turn with a shift across it is about another axis than the one through the centre.
-      const middle = slides ? new Vector3() : turn.clone().cross(slide).divideScalar(turn.lengthSq()).applyQuaternion(q);
-      const a = this.pane.project(middle.clone().addScaledVector(axis, -reach), width, height);
-      const b = this.pane.project(middle.clone().addScaledVector(axis, reach), width, height);
-      context.setLineDash([8, 5]);
-      context.lineWidth = 6;
-      context.strokeStyle = paper;
-      const stroke = () => {
-        context.beginPath();
-        context.moveTo(a.x, a.y);
-        context.lineTo(b.x, b.y);
-        context.stroke();
-      };
-      stroke();
-      context.lineWidth = 2.5;
-      context.strokeStyle = ink;
-      stroke();
-      context.setLineDash([]);
-      context.font = "12px system-ui, sans-serif";
-      context.textAlign = "center";
-      context.textBaseline = "bottom";
-      const text = slides ? "nothing here fixes this direction" : "nothing here fixes turning about this axis";
-      if (Math.hypot(a.x - b.x, a.y - b.y) < 24) {
-        // Seen end on.
-        context.strokeStyle = ink;
-        context.beginPath();
-        context.arc(a.x, a.y, 9, 0, 7);
-        context.stroke();
-      }
-      const end = a.y < b.y ? a : b;
-      const half = context.measureText(text).width / 2 + 6;
-      const x = Math.min(width - half, Math.max(half, end.x));
-      halo(context, text, x, Math.max(18, end.y - 12) + 16 * line++, ink, paper);
-    }
   }
 }
 

@@ -7,6 +7,7 @@ import type { Archive, Pair, Pose } from "./archive.js";
 export function centimetres(metres: number | null): string {
   if (metres === null) return "not measured";
   const cm = 100 * metres;
+  if (cm > 0 && cm < 0.1) return `${cm.toPrecision(1)} cm`;
   return cm < 10 ? `${cm.toFixed(1)} cm` : `${Math.round(cm)} cm`;
 }
 

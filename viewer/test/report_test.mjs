@@ -1,14 +1,15 @@
 // SPDX-FileCopyrightText: The kilter authors
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// node report_test.mjs REPORT.html HOSTILE.html FLEET.html CLOUDS.html FOLDER: uses a report as a person would, one whose
-// robots have hostile names, one of many robots and one of finished clouds in world coordinates. Prints a line of JSON per test; screenshots go to FOLDER. tests/viewer_test.py runs it.
+// node report_test.mjs REPORT.html HOSTILE.html FLEET.html CLOUDS.html ALONE.html FOLDER: uses a report as a person would,
+// one whose robots have hostile names, one of many robots, one of finished clouds in world coordinates and one without
+// any pair. Prints a line of JSON per test; screenshots go to FOLDER. tests/viewer_test.py runs it.
 import assert from "node:assert/strict";
 import { mkdirSync } from "node:fs";
 import { join } from "node:path";
 import { launch, open } from "./browser.mjs";
 
-const [report, hostile, fleet, clouds, folder] = process.argv.slice(2);
+const [report, hostile, fleet, clouds, alone, folder] = process.argv.slice(2);
 mkdirSync(folder, { recursive: true });
 const browser = await launch();
 
@@ -375,6 +376,56 @@ await test("finished clouds are seen wherever the world's origin is", { file: cl
   });
   assert.ok(seen.length > 0 && new Set(seen.map(({ x, y }) => `${Math.round(x)},${Math.round(y)}`)).size > 1);
   await page.screenshot({ path: join(folder, "clouds.png") });
+});
+
+/** Changes the selected pair, then selects it anew. */
+const changed = (page, change) =>
+  page.evaluate((change) => {
+    const { state } = window.kilter;
+    const number = state.selected;
+    new Function("pair", change)(state.pairs[number]);
+    state.select(-1);
+    state.select(number);
+  }, change);
+
+await test("without a registered pose nothing slides", {}, async (page) => {
+  await changed(page, "pair.T_target_source_registered = null");
+  assert.deepEqual(await page.locator(".slider button, .slider input").evaluateAll((all) => all.map((one) => one.disabled)), [true, true, true, true]);
+  assert.match(await page.locator("#pair").textContent(), /no registered pose/);
+  for (const key of ["r", "p"]) await page.keyboard.press(key);
+  await page.waitForTimeout(200);
+  assert.equal(await page.evaluate(() => window.kilter.pair.alpha), 0);
+});
+
+await test("what is played ends where the user takes over", {}, async (page) => {
+  const alpha = () => page.evaluate(() => window.kilter.pair.alpha);
+  await page.keyboard.press("p");
+  await page.waitForFunction(() => window.kilter.pair.alpha > 0);
+  await page.keyboard.press("m");
+  await page.waitForTimeout(400);
+  assert.equal(await alpha(), 0);
+  await page.keyboard.press("p");
+  await page.waitForFunction(() => window.kilter.pair.alpha > 0);
+  await page.locator("#slider").evaluate((node) => {
+    node.value = "0.75";
+    node.dispatchEvent(new Event("input"));
+  });
+  await page.waitForTimeout(400);
+  assert.equal(await alpha(), 0.75);
+});
+
+await test("what was not measured is not counted", {}, async (page) => {
+  await changed(page, "delete pair.evidence.conflict; pair.evidence.agreeing = { value: 0, null: 0, log_ratio: null }");
+  await page.locator('#pair button[data-value="conflict"]').click();
+  assert.match(await page.locator("#pair").textContent(), /not measured: these clouds carry no free space/);
+  assert.match(await page.locator('[data-evidence="agreeing"]').textContent(), /no other pair around/);
+  await changed(page, "pair.evidence.agreeing = { value: 3, null: 3, log_ratio: null }");
+  assert.match(await page.locator('[data-evidence="agreeing"]').textContent(), /divided/);
+  await page.evaluate(() => {
+    window.kilter.state.archive.result.config.tolerance = 0.005;
+    window.kilter.map.chooseColours("misalignment");
+  });
+  assert.match(await page.locator("#map").textContent(), /off by 0\.05 cm5\.0 cm or more/);
 });
 
 await browser.close();
