@@ -124,6 +124,7 @@ async function main(): Promise<void> {
   window.addEventListener("beforeprint", () => {
     before = document.documentElement.dataset["theme"];
     switchTheme(state, "light");
+    table.print(true);
     map.pane.draw();
     pair.pane.draw();
     matrices.all.forEach((matrix) => matrix.draw());
@@ -131,6 +132,7 @@ async function main(): Promise<void> {
   });
   window.addEventListener("afterprint", () => {
     for (const copy of document.querySelectorAll(".printed")) copy.remove();
+    table.print(false);
     switchTheme(state, (before ?? "") as "dark" | "light" | "");
   });
   window.addEventListener("keydown", (event) => {

@@ -35,7 +35,7 @@ class Matrix {
   constructor(
     private readonly state: State,
     private readonly kept: Kept,
-    private readonly range: [number, number],
+    private readonly range: [number, number] | null, // of the logarithms, where anything has one
     private readonly at: ReadonlyMap<number, number>, // row * N + column -> pair
   ) {
     this.canvas.setAttribute("aria-label", kept.title);
@@ -92,7 +92,7 @@ class Matrix {
   }
 
   private colour(value: number): string {
-    if (value <= 0) return css(belowColour());
+    if (value <= 0 || !this.range) return css(belowColour());
     const [low, high] = this.range;
     return css(scaleColour(high > low ? (Math.log10(value) - low) / (high - low) : 0.5));
   }
@@ -191,6 +191,7 @@ class Matrix {
 
   /** The colour bar, in the empty triangle. */
   private legend(context: CanvasRenderingContext2D, width: number): void {
+    if (!this.range) return;
     const { left, size, top } = this.layout;
     const long = Math.min(150, 0.42 * size);
     const x = Math.min(width, left + size) - long - 4;
@@ -239,7 +240,7 @@ class Matrix {
   }
 }
 
-function rangeOf(pairs: Pair[], values: ((pair: Pair) => number | null)[]): [number, number] {
+function rangeOf(pairs: Pair[], values: ((pair: Pair) => number | null)[]): [number, number] | null {
   let low = Infinity;
   let high = -Infinity;
   for (const pair of pairs) {
@@ -250,7 +251,7 @@ function rangeOf(pairs: Pair[], values: ((pair: Pair) => number | null)[]): [num
       high = Math.max(high, Math.log10(number));
     }
   }
-  return Number.isFinite(low) ? [low, high] : [0, 1];
+  return Number.isFinite(low) ? [low, high] : null;
 }
 
 export class Matrices {
@@ -263,7 +264,7 @@ export class Matrices {
     const [gamma, theta, verified] = kMatrices as [Kept, Kept, Kept];
     const both = rangeOf(state.pairs, [gamma.value, theta.value]);
     const ranges = [both, both, rangeOf(state.pairs, [verified.value])];
-    this.all = kMatrices.map((kept, i) => new Matrix(state, kept, ranges[i]!, at));
+    this.all = kMatrices.map((kept, i) => new Matrix(state, kept, ranges[i] ?? null, at));
     const figures = this.all.map((matrix, i) =>
       element("figure", {}, element("figcaption", {}, element("b", {}, kMatrices[i]!.title), element("small", {}, kMatrices[i]!.about)), matrix.canvas),
     );

@@ -1,8 +1,10 @@
 // SPDX-FileCopyrightText: The kilter authors
 // SPDX-License-Identifier: BSD-3-Clause
 // Every pair as a row; sorted and filtered.
+import { correctionOpen, notBelieved } from "./advice.js";
 import type { Pair } from "./archive.js";
 import { byId, element } from "./dom.js";
+import { worstFirst } from "./places.js";
 import type { State } from "./state.js";
 import { centimetres, large, shortProbability } from "./words.js";
 
@@ -10,6 +12,7 @@ interface Column {
   key: string;
   name: string;
   title: string;
+  numeric?: true; // largest first, at first
   text: (pair: Pair) => string;
   order: (pair: Pair) => number | string | null;
 }
@@ -21,27 +24,36 @@ const kColumns: Column[] = [
   { key: "target", name: "target", title: "the earlier submap", text: (p) => p.target, order: () => null },
   { key: "source", name: "source", title: "the later submap", text: (p) => p.source, order: () => null },
   { key: "kind", name: "kind", title: "sequential: one after the other; local: same robot again; global: two robots", text: (p) => p.kind, order: (p) => p.kind },
-  { key: "offset", name: "offset", title: "how far registration moves it", text: (p) => (p.offset_m === null ? "" : centimetres(p.offset_m)), order: (p) => p.offset_m },
-  { key: "degrees", name: "turn", title: "its rotation", text: (p) => (p.offset_deg === null ? "" : `${p.offset_deg.toFixed(1)}°`), order: (p) => p.offset_deg },
-  { key: "probability", name: "probability", title: "of being inconsistent", text: (p) => shortProbability(p.p_inconsistent), order: (p) => p.p_inconsistent },
-  { key: "overlap", name: "overlap", title: "share of voxels that match", text: (p) => `${Math.round(100 * p.overlap)} %`, order: (p) => p.overlap },
-  { key: "gamma", name: "Γ", title: "as in the map", text: (p) => (p.gamma === null ? "" : large(p.gamma)), order: (p) => p.gamma },
-  { key: "theta", name: "Θ", title: "once registered", text: (p) => (p.theta === null ? "" : large(p.theta)), order: (p) => p.theta },
-  { key: "verified", name: "Γᵛ", title: "what registration gains", text: (p) => (p.verified === null ? "" : large(p.verified)), order: (p) => p.verified },
+  { key: "offset", numeric: true, name: "offset", title: "how far registration moves it; with ? it is not believed", text: (p) => (p.offset_m === null ? "" : `${centimetres(p.offset_m)}${correctionOpen(p) ? "?" : ""}`), order: (p) => p.offset_m },
+  { key: "degrees", numeric: true, name: "turn", title: "its rotation", text: (p) => (p.offset_deg === null ? "" : `${p.offset_deg.toFixed(1)}°`), order: (p) => p.offset_deg },
+  { key: "probability", numeric: true, name: "probability", title: "of being inconsistent", text: (p) => shortProbability(p.p_inconsistent), order: (p) => p.p_inconsistent },
+  { key: "overlap", numeric: true, name: "overlap", title: "share of voxels that match", text: (p) => `${Math.round(100 * p.overlap)} %`, order: (p) => p.overlap },
+  { key: "gamma", numeric: true, name: "Γ", title: "as in the map", text: (p) => (p.gamma === null ? "" : large(p.gamma)), order: (p) => p.gamma },
+  { key: "theta", numeric: true, name: "Θ", title: "once registered", text: (p) => (p.theta === null ? "" : large(p.theta)), order: (p) => p.theta },
+  { key: "verified", numeric: true, name: "Γᵛ", title: "what registration gains", text: (p) => (p.verified === null ? "" : large(p.verified)), order: (p) => p.verified },
   { key: "reason", name: "why", title: "the reason in words", text: (p) => p.reason, order: (p) => p.reason },
 ];
 
 const kFirst = 100;
+const kMostPrinted = 1000;
+
+/** What a cell says under the pointer. */
+function hint(column: Column, pair: Pair): string {
+  if (column.key === "reason") return pair.reason;
+  return column.key === "offset" && pair.offset_m !== null && correctionOpen(pair) ? notBelieved(pair) : "";
+}
 
 export class Table {
   /** Numbers of the pairs that pass the filters, in the order shown. */
   rows: number[] = [];
   private readonly filter = { kind: "", robot: "", verdict: "", offset: "", text: "" };
-  private sorted: { column: Column; down: boolean } = { column: kColumns[4]!, down: true };
+  private sorted: { column: Column; down: boolean } | null = null; // before a column is chosen: as the places are
   private limit = kFirst;
+  private shownBefore = kFirst;
   private readonly body = element("tbody");
   private readonly head = element("tr");
   private readonly count = element("span", { class: "quiet" });
+  private readonly printed = element("p", { class: "quiet on-paper" });
   private readonly more = element("button", { type: "button", on: { click: () => this.extend(this.limit * 5) } }, "show more");
 
   constructor(private readonly state: State) {
@@ -91,6 +103,7 @@ export class Table {
         text,
         this.count,
       ),
+      this.printed,
       element("div", { class: "scroll" }, element("table", {}, element("thead", {}, this.head), this.body)),
       this.more,
     );
@@ -105,8 +118,7 @@ export class Table {
   }
 
   private sort(column: Column): void {
-    const numeric = typeof column.order(this.state.pairs[0]!) === "number";
-    this.sorted = { column, down: this.sorted.column === column ? !this.sorted.down : numeric && column.key !== "verdict" };
+    this.sorted = { column, down: this.sorted?.column === column ? !this.sorted.down : column.numeric === true };
     this.update();
   }
 
@@ -122,31 +134,43 @@ export class Table {
     return text === "" || `${pair.target} ${pair.source} ${pair.reason}`.toLowerCase().includes(text.toLowerCase());
   }
 
-  private key(number: number): number | string | null {
+  private key(number: number, { key, order }: Column): number | string | null {
     const picture = this.state.archive.pairs[number]!;
-    const { key, order } = this.sorted.column;
     if (key === "target") return picture.target;
     if (key === "source") return picture.source;
     return order(this.state.pairs[number]!);
   }
 
   private update(): void {
-    const sign = this.sorted.down ? -1 : 1;
-    this.rows = this.state.pairs.map((_, n) => n).filter((n) => this.passes(n));
+    const { pairs } = this.state;
+    const worst = worstFirst(pairs);
+    this.rows = pairs.map((_, n) => n).filter((n) => this.passes(n));
     this.rows.sort((a, b) => {
-      const x = this.key(a);
-      const y = this.key(b);
+      if (!this.sorted) return kWorst[pairs[a]!.verdict] - kWorst[pairs[b]!.verdict] || worst(a, b);
+      const sign = this.sorted.down ? -1 : 1;
+      const x = this.key(a, this.sorted.column);
+      const y = this.key(b, this.sorted.column);
       if (x === y) return a - b;
       if (x === null) return 1; // what was not measured comes last either way
       if (y === null) return -1;
       return (x < y ? -1 : 1) * sign;
     });
     for (const cell of this.head.querySelectorAll("th")) {
-      const own = cell.dataset["column"] === this.sorted.column.key;
-      cell.setAttribute("aria-sort", own ? (this.sorted.down ? "descending" : "ascending") : "none");
+      const sort = !this.sorted || cell.dataset["column"] !== this.sorted.column.key ? "none" : this.sorted.down ? "descending" : "ascending";
+      cell.setAttribute("aria-sort", sort);
     }
     this.count.textContent = `${this.rows.length} of ${this.state.pairs.length} pairs`;
     this.fill();
+  }
+
+  /** Before paper all rows that pass, and what they had to pass; after it as before. */
+  print(begins: boolean): void {
+    const { kind, robot, verdict, offset, text } = this.filter;
+    const asked = [verdict, kind, robot, offset && `at least ${offset} cm`, text && `"${text}"`].filter(Boolean);
+    const left = this.rows.length > kMostPrinted ? `; the first ${kMostPrinted} of these are printed, pairs.csv has all` : "";
+    this.printed.textContent = `${this.count.textContent}${asked.length === 0 ? "" : `: ${asked.join(", ")}`}${left}`;
+    if (begins) this.shownBefore = this.limit;
+    this.extend(begins ? kMostPrinted : this.shownBefore);
   }
 
   private extend(limit: number): void {
@@ -161,7 +185,7 @@ export class Table {
         return element(
           "tr",
           { data: { pair: String(number) }, on: { click: () => this.state.select(number) } },
-          ...kColumns.map((column) => element("td", { class: `c-${column.key} ${column.key === "verdict" ? pair.verdict : ""}`, title: column.key === "reason" ? pair.reason : "" }, column.text(pair))),
+          ...kColumns.map((column) => element("td", { class: `c-${column.key} ${column.key === "verdict" ? pair.verdict : ""}`, title: hint(column, pair) }, column.text(pair))),
         );
       }),
     );
@@ -188,7 +212,7 @@ export class Table {
 
   /** The pair `steps` rows further in the order shown. */
   beside(steps: number): number {
-    if (this.rows.length === 0) return -1;
+    if (this.rows.length === 0) return this.state.selected;
     const place = this.rows.indexOf(this.state.selected);
     const next = place < 0 ? 0 : Math.min(this.rows.length - 1, Math.max(0, place + steps));
     return this.rows[next]!;

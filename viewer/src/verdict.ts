@@ -76,7 +76,7 @@ function counts(result: Result): HTMLElement {
 
 function robots(result: Result): string {
   if (result.robots.length <= kNamedAtMost) {
-    const each = result.robots.map((robot) => `${robot.name} (${robot.submaps} pieces, ${Math.round(robot.path_length_m)} m)`);
+    const each = result.robots.map((robot) => `${robot.name} (${robot.submaps} piece${robot.submaps === 1 ? "" : "s"}, ${Math.round(robot.path_length_m)} m)`);
     return `Robots: ${each.join(", ")}.`;
   }
   const submaps = result.robots.reduce((sum, robot) => sum + robot.submaps, 0);

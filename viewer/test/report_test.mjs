@@ -239,7 +239,7 @@ await test("the table filters and sorts", {}, async (page) => {
   assert.equal((await rows()).length, 0);
   await page.fill("#filter-text", "");
   const header = page.locator('#table th[data-column="offset"]');
-  for (const sign of [1, -1]) {
+  for (const sign of [-1, 1]) {
     await header.locator("button").click();
     const offsets = (await rows()).map((n) => all[n].offset).filter((offset) => offset !== null);
     for (let i = 1; i < offsets.length; i++) assert.ok(sign * (offsets[i] - offsets[i - 1]) >= 0);
@@ -388,6 +388,28 @@ const changed = (page, change) =>
     state.select(number);
   }, change);
 
+await test("the table starts as the places do", {}, async (page) => {
+  const seen = await page.evaluate(() => {
+    const { state, table } = window.kilter;
+    const places = [...document.querySelectorAll(".place")].map((card) => Number(card.dataset.pair));
+    return { places, rows: table.rows, verdicts: table.rows.map((n) => state.pairs[n].verdict) };
+  });
+  assert.equal(seen.rows[0], seen.places[0]);
+  const order = seen.rows.filter((n) => seen.places.includes(n));
+  assert.deepEqual(order, seen.places);
+  assert.deepEqual(seen.verdicts, [...seen.verdicts].sort((a, b) => ["inconsistent", "unverified", "consistent"].indexOf(a) - ["inconsistent", "unverified", "consistent"].indexOf(b)));
+});
+
+await test("an offset that is not believed is called that everywhere", {}, async (page) => {
+  await changed(page, "pair.evidence.support = { value: 10, null: 900, log_ratio: 4 }");
+  assert.match(await page.locator("#details").textContent(), /registration ended \d+ cm off, not believed/);
+  const at = await page.evaluate(() => window.kilter.matrices.all[0].cellOf(window.kilter.state.selected));
+  await page.locator("#matrices canvas").first().hover({ position: at });
+  assert.match(await page.locator("#tip").textContent(), /ended \d+ cm off, not believed/);
+  await page.locator('#table th[data-column="offset"] button').click();
+  assert.match(await page.locator("#table tr.selected td.c-offset").textContent(), /cm\?$/);
+});
+
 await test("without a registered pose nothing slides", {}, async (page) => {
   await changed(page, "pair.T_target_source_registered = null");
   assert.deepEqual(await page.locator(".slider button, .slider input").evaluateAll((all) => all.map((one) => one.disabled)), [true, true, true, true]);
@@ -426,6 +448,34 @@ await test("what was not measured is not counted", {}, async (page) => {
     window.kilter.map.chooseColours("misalignment");
   });
   assert.match(await page.locator("#map").textContent(), /off by 0\.05 cm5\.0 cm or more/);
+});
+
+await test("paper holds every row, or says how many", { file: fleet }, async (page) => {
+  const rows = () => page.locator("#table tbody tr").count();
+  const [before, all] = [await rows(), await page.evaluate(() => window.kilter.table.rows.length)];
+  assert.ok(before < all, `${before} of ${all}`);
+  await page.evaluate(() => dispatchEvent(new Event("beforeprint")));
+  assert.equal(await rows(), all);
+  await page.evaluate(() => dispatchEvent(new Event("afterprint")));
+  assert.equal(await rows(), before);
+  await page.selectOption("#filter-kind", "local");
+  await page.evaluate(() => dispatchEvent(new Event("beforeprint")));
+  assert.match(await page.locator(".on-paper").textContent(), /^\d+ of \d+ pairs: local$/);
+});
+
+await test("numbers sort as numbers whatever is missing", {}, async (page) => {
+  const header = page.locator('#table th[data-column="gamma"]');
+  await page.evaluate(() => (window.kilter.state.pairs[0].gamma = null));
+  await header.locator("button").click();
+  assert.equal(await header.getAttribute("aria-sort"), "descending");
+});
+
+await test("without any pair the page stands", { file: alone }, async (page) => {
+  assert.equal(await page.evaluate(() => window.kilter.state.pairs.length), 0);
+  for (const header of await page.locator("#table th button").all()) await header.click();
+  for (const key of ["j", "k", "n", "m", "r", "p", "3", "Escape"]) await page.keyboard.press(key);
+  assert.match(await page.locator("#verdict").textContent(), /\(1 piece, /);
+  await page.screenshot({ path: join(folder, "alone.png"), fullPage: true });
 });
 
 await browser.close();
