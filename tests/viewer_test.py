@@ -122,7 +122,7 @@ class Viewer(unittest.TestCase):
         if b"built without its viewer" in report.read_bytes():
             self.skipTest("kilter was built without its viewer")
         pages = [report, self.hostile(), self.fleet(), self.clouds(), self.alone()]
-        self.assertGreaterEqual(self.check_lines("report_test.mjs", *pages, self.shots), 25)
+        self.assertGreaterEqual(self.check_lines("report_test.mjs", *pages, self.shots), 28)
 
     def test_the_report_command_writes_the_same_bytes(self):
         with TinyMission() as tiny:

@@ -87,6 +87,24 @@ function foot(state: State, dialog: HTMLDialogElement): void {
   );
 }
 
+/** Says so where the address names a pair that this report does not have; until another is selected. */
+function tellStray(state: State): void {
+  const holder = document.querySelector("#verdict .why")!;
+  holder.querySelector(".stray")?.remove();
+  if (!location.hash.startsWith("#pair=") || state.pairOfFragment(location.hash) >= 0) return;
+  const note = element("p", { class: "stray" }, `The address names a pair that is not in this report (${readable(location.hash.slice(6))}).`);
+  holder.append(note);
+  state.on("selection", () => note.remove());
+}
+
+function readable(fragment: string): string {
+  try {
+    return decodeURIComponent(fragment);
+  } catch {
+    return fragment; // cut inside a letter
+  }
+}
+
 async function main(): Promise<void> {
   const start = performance.now();
   const holder = byId("archive");
@@ -98,7 +116,7 @@ async function main(): Promise<void> {
   showPlaces(state, places);
   state.select(state.pairOfFragment(location.hash));
   const worst = places[0]?.pair ?? archive.result.pairs.map((_, n) => n).sort(worstFirst(archive.result.pairs))[0] ?? -1;
-  if (state.selected < 0 && archive.result.pairs.length > 0 && location.hash === "") {
+  if (state.selected < 0) {
     // The worst place is shown at once; the address stays as it was typed.
     state.selected = worst;
   }
@@ -109,6 +127,7 @@ async function main(): Promise<void> {
   const table = new Table(state);
   const dialog = help();
   foot(state, dialog);
+  tellStray(state);
   state.select(state.selected);
   byId("places").querySelector(`.place[data-pair="${state.selected}"]`)?.classList.add("selected");
 
@@ -119,6 +138,7 @@ async function main(): Promise<void> {
   window.addEventListener("hashchange", () => {
     const named = state.pairOfFragment(location.hash);
     if (named >= 0) state.select(named);
+    else tellStray(state);
   });
   let before: string | undefined;
   window.addEventListener("beforeprint", () => {
@@ -138,6 +158,8 @@ async function main(): Promise<void> {
   window.addEventListener("keydown", (event) => {
     const target = event.target as HTMLElement;
     if (event.ctrlKey || event.metaKey || event.altKey || target.matches("input:not([type=range]):not([type=checkbox]), select")) return;
+    if (target.matches("input[type=range]") && event.key.startsWith("Arrow")) return;
+    if (dialog.open && event.key !== "?") return; // Esc closes it by itself
     const keys: Record<string, () => void> = {
       j: () => state.select(table.beside(1)),
       k: () => state.select(table.beside(-1)),
@@ -158,7 +180,7 @@ async function main(): Promise<void> {
       "?": () => (dialog.open ? dialog.close() : dialog.showModal()),
       Escape: () => {
         hideTip();
-        if (!dialog.open) state.select(-1);
+        state.select(-1);
       },
     };
     const act = keys[event.key];

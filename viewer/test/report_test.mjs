@@ -450,6 +450,53 @@ await test("what was not measured is not counted", {}, async (page) => {
   assert.match(await page.locator("#map").textContent(), /off by 0\.05 cm5\.0 cm or more/);
 });
 
+await test("keys do what is in front", {}, async (page) => {
+  const start = await selected(page);
+  await page.locator("#slider").focus();
+  await page.keyboard.press("ArrowRight");
+  await page.keyboard.press("ArrowUp");
+  assert.equal(await selected(page), start);
+  assert.ok((await page.evaluate(() => window.kilter.pair.alpha)) > 0.01);
+  await page.locator("#slider").evaluate((node) => node.blur());
+  await page.keyboard.press("?");
+  for (const key of ["j", "n", "d", "r"]) await page.keyboard.press(key);
+  assert.equal(await selected(page), start);
+  assert.equal(await page.evaluate(() => document.documentElement.dataset.theme), undefined);
+  await page.keyboard.press("Escape");
+  assert.equal(await selected(page), start);
+  await page.fill("#filter-text", "no such thing");
+  await page.locator("#filter-text").evaluate((node) => node.blur());
+  await page.keyboard.press("j");
+  assert.equal(await selected(page), start);
+});
+
+await test("an address of another report leads to the worst place, and says so", { hash: "#pair=zz/1,a/1" }, async (page) => {
+  const worst = Number(await page.locator(".place").first().getAttribute("data-pair"));
+  assert.equal(await selected(page), worst);
+  assert.match(await page.locator("#verdict").textContent(), /not in this report \(zz\/1,a\/1\)/);
+  await page.keyboard.press("j");
+  assert.equal(await page.locator(".stray").count(), 0);
+});
+
+await test("it can be read: contrast, and names that are long", { dark: true, width: 390, height: 800 }, async (page) => {
+  const contrasts = await page.evaluate(() => {
+    const bright = (colour) => {
+      const [r, g, b] = colour.match(/[\d.]+/g).map((part) => (part / 255 <= 0.03928 ? part / 255 / 12.92 : ((part / 255 + 0.055) / 1.055) ** 2.4));
+      return 0.2126 * r + 0.7152 * g + 0.0722 * b;
+    };
+    return ["inconsistent", "unverified", "consistent"].map((verdict) => {
+      const rank = document.querySelector(".place .rank");
+      rank.className = `rank ${verdict}`;
+      const { color, backgroundColor } = getComputedStyle(rank);
+      const [low, high] = [bright(color), bright(backgroundColor)].sort((a, b) => a - b);
+      return (high + 0.05) / (low + 0.05);
+    });
+  });
+  for (const contrast of contrasts) assert.ok(contrast >= 4.5, contrasts.join());
+  await page.evaluate(() => (document.querySelector("#filter-robot option:last-child").textContent = "long ".repeat(30)));
+  assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth));
+});
+
 await test("paper holds every row, or says how many", { file: fleet }, async (page) => {
   const rows = () => page.locator("#table tbody tr").count();
   const [before, all] = [await rows(), await page.evaluate(() => window.kilter.table.rows.length)];
