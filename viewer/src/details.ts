@@ -109,7 +109,7 @@ function facts(state: State): HTMLElement {
     ["To mend it", mended === null ? "unknown" : `move ${pair.source} ${mended.moved}${mended.best ? ", which mends it in part" : ""}${mended.open}`],
     ["Gap between double walls", centimetres(pair.gap_m)],
     ["Smallest offset seen here", centimetres(pair.minimum_detectable_m)],
-    ["Directions left open", pair.unobservable === null ? "unknown" : pair.unobservable.length === 0 ? "none" : `${pair.unobservable.length}, drawn as a dashed axis`],
+    ["Directions left open", pair.unobservable === null ? "unknown" : pair.unobservable.length === 0 ? "none" : pair.unobservable.length === 1 ? "one, drawn as a dashed axis" : `${pair.unobservable.length}, drawn as dashed axes`],
     ["Judgement", probability(pair.p_inconsistent)],
     ["Overlap", `${Math.round(100 * pair.overlap)} % of the voxels, ${pair.matched} matched`],
     ["Γ, Θ, Γᵛ", `${large(pair.gamma)}, ${large(pair.theta)}, ${large(pair.verified)}`],

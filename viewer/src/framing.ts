@@ -13,7 +13,8 @@ export const kEverything = [-1e9, 1e9] as const;
 const kSensorAboveFloor = 1.2;
 const kBelowFloor = 0.05;
 const kLeastInWalls = 0.05; // of all points: with fewer between them the picture would look empty
-const kSampled = 2000; // points of a cloud that stand for all
+const kSampled = 2000; // points of a cloud that stand for all of it
+const kSampledOfAll = 20_000; // points of a map
 const kUnit = new Vector3(1, 1, 1);
 
 /** The value below which a share of the numbers lies; puts them in order. */
@@ -41,10 +42,10 @@ export function isFinished(archive: Archive, submap: number): boolean {
 }
 
 /** Evenly thinned points of a cloud, relative to the start of its submap, along the world's axes. */
-function sampled(archive: Archive, submap: number): Vector3[] {
+function sampled(archive: Archive, submap: number, most = kSampled): Vector3[] {
   const { points } = archive.clouds[submap]!;
   const count = points.length / 3;
-  const every = Math.max(1, Math.floor(count / kSampled));
+  const every = Math.max(1, Math.floor(count / most));
   const start = translation(archive.result.submaps[submap]!.T_world_submap);
   const matrix = worldFromCloud(archive, submap, start);
   const found: Vector3[] = [];
@@ -67,13 +68,16 @@ export function sensorHeight(archive: Archive, submap: number): number {
   return percentile(sampled(archive, submap).map((p) => p.z), kBelowFloor) + kSensorAboveFloor;
 }
 
+/** So many points of each cloud, where all together stand for the map. */
+const shareOf = (archive: Archive): number => Math.max(40, Math.floor(kSampledOfAll / archive.clouds.length));
+
 /** Whether a slice about as high as the sensors leaves enough to be looked at first. */
 export function wallsShow(archive: Archive): boolean {
   let all = 0;
   let between = 0;
   archive.clouds.forEach((_, submap) => {
     const level = sensorHeight(archive, submap);
-    for (const { z } of sampled(archive, submap)) {
+    for (const { z } of sampled(archive, submap, shareOf(archive))) {
       all++;
       if (z - level >= kWalls[0] && z - level <= kWalls[1]) between++;
     }
@@ -97,7 +101,7 @@ export function extentOf(archive: Archive, less: Vector3): { centre: Vector3; ra
   });
   const points: Vector3[] = [];
   archive.clouds.forEach((_, submap) => {
-    const own = sampled(archive, submap);
+    const own = sampled(archive, submap, shareOf(archive));
     const start = translation(archive.result.submaps[submap]!.T_world_submap).sub(less);
     for (const point of own) points.push(point.add(start));
     if (!isFinished(archive, submap) || own.length === 0) return;
