@@ -88,11 +88,11 @@ function foot(state: State, dialog: HTMLDialogElement): void {
 }
 
 /** Says so where the address names a pair that this report does not have; until another is selected. */
-function tellStray(state: State): void {
+function tellStray(state: State, instead = ""): void {
   const holder = document.querySelector("#verdict .why")!;
   holder.querySelector(".stray")?.remove();
   if (!location.hash.startsWith("#pair=") || state.pairOfFragment(location.hash) >= 0) return;
-  const note = element("p", { class: "stray" }, `The address names a pair that is not in this report (${readable(location.hash.slice(6))}).`);
+  const note = element("p", { class: "stray" }, `The address names a pair that is not in this report (${readable(location.hash.slice(6))}).${instead}`);
   holder.append(note);
   state.on("selection", () => note.remove());
 }
@@ -127,7 +127,7 @@ async function main(): Promise<void> {
   const table = new Table(state);
   const dialog = help();
   foot(state, dialog);
-  tellStray(state);
+  tellStray(state, " The worst place is shown.");
   state.select(state.selected);
   byId("places").querySelector(`.place[data-pair="${state.selected}"]`)?.classList.add("selected");
 

@@ -473,7 +473,7 @@ await test("keys do what is in front", {}, async (page) => {
 await test("an address of another report leads to the worst place, and says so", { hash: "#pair=zz/1,a/1" }, async (page) => {
   const worst = Number(await page.locator(".place").first().getAttribute("data-pair"));
   assert.equal(await selected(page), worst);
-  assert.match(await page.locator("#verdict").textContent(), /not in this report \(zz\/1,a\/1\)/);
+  assert.match(await page.locator("#verdict").textContent(), /not in this report \(zz\/1,a\/1\)\. The worst/);
   await page.keyboard.press("j");
   assert.equal(await page.locator(".stray").count(), 0);
 });
