@@ -171,6 +171,7 @@ class Output(CheckCase):
         self.assertEqual(run.stdout, (self.out / "result.json").read_text(encoding="utf-8"))
         self.assertEqual(json.loads(run.stdout)["schema"], "kilter.result/1")
         self.assertIn("pairs", run.stderr)
+        self.assertEqual(sum(line.startswith("picture: ") for line in run.stderr.splitlines()), 2, run.stderr)
 
     def test_quiet_leaves_standard_error_empty(self):
         self.assertEqual(self.check("--quiet").stderr, "")

@@ -107,6 +107,11 @@ class RegisterTest(unittest.TestCase):
     def test_same_bytes_for_any_number_of_threads(self):
         self.assertEqual(self.register("--json", "--jobs", "1").stdout, self.register("--json", "--jobs", "2").stdout)
 
+    def test_verbose_says_when_it_begins_and_ends(self):
+        run = self.register("--verbose")
+        self.assertEqual(run.stderr, "registration: 1 of 3 (33 %)\nregistration: 3 of 3 (100 %)\n")
+        self.assertEqual(self.register("--verbose", "--quiet").stderr, "")
+
     def test_refuses_what_it_cannot_use(self):
         done = run_kilter("register", self.root / "target.bin", self.root / "none.bin")
         self.assertEqual(done.status, 3)

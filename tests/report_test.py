@@ -42,6 +42,10 @@ class Report(unittest.TestCase):
         self.assertLess((few / "result.kilter").stat().st_size, (self.out / "result.kilter").stat().st_size / 2)
         self.assertEqual((few / "pairs.csv").read_bytes(), (self.out / "pairs.csv").read_bytes())
 
+    def test_verbose_says_when_it_begins_and_ends(self):
+        run = run_kilter("report", self.out, "-o", self.tiny.folder / "told.html", "--verbose")
+        self.assertEqual(run.stderr, "report: 0 of 1 (0 %)\nreport: 1 of 1 (100 %)\n")
+
     def test_what_is_no_archive_is_named(self):
         self.refused(self.tiny.folder / "absent", 3, "absent")
         self.refused(self.out / "result.json", 3, "result.json: expected an archive of kilter")

@@ -143,9 +143,7 @@ Expected<void> write_mission(const SimulatedMission& mission, const MissionWrite
   const std::size_t total = mission.scan_count();
   std::size_t before = 0;
   for (std::size_t r = 0; r < mission.robots().size(); ++r) {
-    RunContext part = run;
-    if (run.progress)
-      part.progress = [&, before](std::size_t done, std::size_t) { run.progress(before + done, total); };
+    const RunContext part = part_of(run, before, total);
     if (Expected<void> written = write_robot(mission, r, place, options.format, part); !written) return written;
     before += mission.robots()[r].stamp_s.size();
   }

@@ -200,9 +200,13 @@ int run_register(const RegisterCommand& command) {
   const Expected<CloudPair> clouds = read_clouds(command);
   if (!clouds) return print_error(clouds.error());
   print_notes_before(command, settings->check.submap.occupancy);
+  Progress progress(command.common.progress_style());
   const RunContext run{
-      .threads = command.common.jobs, .progress = {}, .memory_bytes = parse_memory(command.common.memory).value_or(0)};
+      .threads = command.common.jobs,
+      .progress = [&](std::size_t done, std::size_t total) { progress.update("registration", done, total); },
+      .memory_bytes = parse_memory(command.common.memory).value_or(0)};
   const Expected<PairMeasurement> pair = register_clouds(*clouds, settings->check, run);
+  progress.finish();
   if (!pair) return print_error(pair.error());
   const PairEvidence& evidence = pair->evidence;
   if (command.aligned && !evidence.registration->converged()) {

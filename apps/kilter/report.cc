@@ -61,10 +61,14 @@ int run_report(const ReportCommand& command) {
     return refuse_output(fits.error());
   }
   if (auto ours = check_replaceable(path, kMarksOfReport); !ours) return print_error(ours.error());
+  Progress progress(command.common.progress_style());
+  progress.update("report", 0, 1);
   const Expected<std::string> archive = read_archive_bytes(result);
   if (!archive) return print_error(archive.error());
   const std::string html = report_html(*archive);
   if (auto done = write_output_folder(folder, {{path.filename(), html}}); !done) return refuse_output(done.error());
+  progress.update("report", 1, 1);
+  progress.finish();
   if (auto done = present(command, html.size()); !done) return refuse_output(done.error());
   return kExitGood;
 }

@@ -182,9 +182,21 @@ std::optional<std::string> compare(const std::string& name, const Side& source, 
   return floor_row(name, source, target, T_target_source, median(times[kExactMethods].warm) / points * 1e9);
 }
 
+// The limit where nothing is within it. [m]
+double mean_distance_m(const Side& source, const Side& target, const Pose3& T_target_source) {
+  std::vector<float> distances_m(source.points_m.size());
+  all_together(source, target).run(std::vector<Pose3>{T_target_source}, distances_m, true);
+  double sum_m = 0.0;
+  for (const float distance_m : distances_m) sum_m += distance_m == kNone ? kLimit_m : double{distance_m};
+  return sum_m / static_cast<double>(distances_m.size());
+}
+
 int run(const std::vector<std::string>& words) {
-  if (words.size() != 6) {
-    fmt::print(stderr, "usage: kilter_distances_benchmark NAME TARGET.pcd SOURCE.pcd POSES.tum FLOOR_ROWS\n");
+  const bool mean_only = words.size() == 5 && words[1] == "--mean";
+  if (words.size() != 6 && !mean_only) {
+    fmt::print(stderr,
+               "usage: kilter_distances_benchmark NAME TARGET.pcd SOURCE.pcd POSES.tum FLOOR_ROWS\n"
+               "       kilter_distances_benchmark --mean TARGET SOURCE POSES.tum\n");
     return 2;
   }
   Side target;
@@ -193,7 +205,12 @@ int run(const std::vector<std::string>& words) {
   if (!poses || !read_side(words[2], target) || !read_side(words[3], source)) return 2;
   const auto T_world_submap = read_poses(poses->view(), words[4]);
   if (!T_world_submap || T_world_submap->size() < 2) return 2;
-  const auto row = compare(words[1], source, target, (*T_world_submap)[0].inverse() * (*T_world_submap)[1]);
+  const Pose3 T_target_source = (*T_world_submap)[0].inverse() * (*T_world_submap)[1];
+  if (mean_only) {
+    fmt::print("{:.9f} {}\n", mean_distance_m(source, target, T_target_source), source.points_m.size());
+    return 0;
+  }
+  const auto row = compare(words[1], source, target, T_target_source);
   if (!row) return 1;
   std::ofstream rows(words[5], std::ios::app);
   rows << *row;

@@ -63,6 +63,14 @@ void share_out(std::size_t count, int threads, const std::function<void(std::siz
 
 }  // namespace
 
+RunContext part_of(const RunContext& run, std::size_t before, std::size_t total) {
+  RunContext part = run;
+  if (run.progress) {
+    part.progress = [&run, before, total](std::size_t done, std::size_t) { run.progress(before + done, total); };
+  }
+  return part;
+}
+
 int available_processors() { return std::max(tbb::info::default_concurrency(), 1); }
 
 void parallel_for(std::size_t count, const RunContext& run, const std::function<void(std::size_t)>& body) {

@@ -22,6 +22,10 @@ struct RunContext {
   [[nodiscard]] bool stop_requested() const { return cancelled != nullptr && cancelled->load(); }
 };
 
+/// The same run, for a part of a stage: what the part says it has done counts behind `before`, of `total`.
+/// Whoever calls keeps `run` alive.
+[[nodiscard]] RunContext part_of(const RunContext& run, std::size_t before, std::size_t total);
+
 /// Processors that this process may use, at least 1: those that an affinity mask leaves, not all that the machine has.
 [[nodiscard]] int available_processors();
 

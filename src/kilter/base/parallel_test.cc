@@ -38,6 +38,15 @@ TEST(ParallelFor, RethrowsWhatTheBodyThrows) {
                std::runtime_error);
 }
 
+TEST(PartOf, CountsBehindWhatWasDone) {
+  std::vector<std::pair<std::size_t, std::size_t>> told;
+  const RunContext run{.progress = [&](std::size_t done, std::size_t total) { told.emplace_back(done, total); }};
+  parallel_for(2, part_of(run, 0, 5), [](std::size_t) {});
+  parallel_for(3, part_of(run, 2, 5), [](std::size_t) {});
+  EXPECT_EQ(told, (std::vector<std::pair<std::size_t, std::size_t>>{{1, 5}, {2, 5}, {3, 5}, {4, 5}, {5, 5}}));
+  EXPECT_FALSE(part_of({}, 2, 5).progress) << "nobody listens";
+}
+
 TEST(ReduceBlocks, GivesTheSameBitsForAnyThreadCount) {
   std::vector<double> values(100000);
   for (std::size_t i = 0; i < values.size(); ++i) values[i] = 1.0 / static_cast<double>(i + 1);

@@ -11,6 +11,9 @@
 #include <limits>
 #include <numbers>
 #include <optional>
+#include <span>
+#include <string_view>
+#include <vector>
 
 #include "kilter/io/pose_reading.h"
 #include "kilter/io/stamp_text.h"
@@ -249,9 +252,11 @@ class Finder {
     std::optional<std::size_t> twice;
     std::size_t compared = 0;
     std::vector<std::size_t> cut_short;
+    std::vector<std::size_t> unreadable;
     for (std::size_t i = 0; i < robot_.T_world_cloud.size(); ++i) {
       const std::optional<CloudPeek> here = robot_.peek_cloud(i);
       if (here && here->is_cut_short) cut_short.push_back(i);
+      if (!here) unreadable.push_back(i);
       if (!twice && i > 0 && here && before && *here == *before && compared < kMostComparisons) {
         ++compared;
         if (are_identical(i - 1, i)) twice = i;
@@ -261,9 +266,14 @@ class Finder {
     if (twice) {
       say("identical-clouds", fmt::format("{} and {}", robot_.cloud_name(*twice - 1), robot_.cloud_name(*twice)));
     }
-    if (cut_short.empty()) return;
-    say("damaged-clouds", fmt::format("{} of {} files, the first is {}", cut_short.size(), robot_.T_world_cloud.size(),
-                                      robot_.cloud_name(cut_short.front())));
+    say_which("unreadable-clouds", unreadable);
+    say_which("damaged-clouds", cut_short);
+  }
+
+  void say_which(std::string_view code, std::span<const std::size_t> clouds) {
+    if (clouds.empty()) return;
+    say(code, fmt::format("{} of {} files, the first is {}", clouds.size(), robot_.T_world_cloud.size(),
+                          robot_.cloud_name(clouds.front())));
   }
 
   const RobotLog& robot_;

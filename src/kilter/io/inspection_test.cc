@@ -277,6 +277,16 @@ TEST(FindOddities, SeesCloudsThatAreCutShort) {
   EXPECT_EQ(inspection.oddities[0].found, "2 of 10 files, the first is scan 3");
 }
 
+TEST(FindOddities, SeesCloudsThatCannotBeOpened) {
+  RobotLog log = robot("a");
+  log.peek_cloud = [](std::size_t scan) {
+    return scan == 4 ? std::nullopt : std::optional(CloudPeek{1200, 19200, scan, scan == 8});
+  };
+  const Inspection inspection = inspected({std::move(log)});
+  ASSERT_EQ(codes(inspection), (Codes{"unreadable-clouds", "damaged-clouds"}));
+  EXPECT_EQ(inspection.oddities[0].found, "1 of 10 files, the first is scan 4");
+}
+
 TEST(FindOddities, SeesTimeThatJumps) {
   RobotLog log = robot("a");
   for (std::int64_t i = 0; i < 10; ++i) log.stamps_ns.push_back(i * 100'000'000);

@@ -27,6 +27,11 @@ std::span<const OddityTopic> oddity_catalog() {
           "copy, or a disk that was full while recording. `kilter check` ends with status 3 when it comes to "
           "the first of them. Only sizes and headers were looked at; other damage shows when a file is read.",
           "copy them again, or remove each together with its pose"},
+      OddityTopic{
+          "unreadable-clouds",
+          "Files of clouds cannot be opened: they belong to somebody else, or their disk does not answer. `kilter "
+          "check` ends with status 3 when it comes to the first of them.",
+          "make them readable (chmod), or remove each together with its pose"},
       OddityTopic{"identical-robots",
                   "Two robots have the same clouds: one folder was named twice. They would agree with each other "
                   "perfectly and prove nothing; under other poses they tell how these differ, and nothing of the map.",

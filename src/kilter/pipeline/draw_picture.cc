@@ -246,9 +246,14 @@ Expected<Picture> draw_picture(std::span<const RobotLog> robots, std::span<const
   Picture picture;
   if (!result.pairs.empty()) picture.max_distance_m = result.pairs.front().max_distance_m;
   for (const RobotLog& robot : robots) picture.paths.push_back(thinned_path(robot.T_world_cloud));
-  if (auto done = draw_clouds(store, result, options, run, picture); !done) return pass_up(done.error());
-  draw_misalignment(picture, result, run);
-  if (auto done = draw_pairs(nodes, store, result, options, run, picture); !done) return pass_up(done.error());
+  const std::size_t clouds = result.submaps.size();
+  const auto sampled = std::count_if(result.pairs.begin(), result.pairs.end(), is_sampled);
+  const std::size_t total = clouds + static_cast<std::size_t>(sampled);
+  const RunContext first = part_of(run, 0, total);
+  const RunContext second = part_of(run, clouds, total);
+  if (auto done = draw_clouds(store, result, options, first, picture); !done) return pass_up(done.error());
+  draw_misalignment(picture, result, {run.threads, run.cancelled, {}});
+  if (auto done = draw_pairs(nodes, store, result, options, second, picture); !done) return pass_up(done.error());
   return picture;
 }
 

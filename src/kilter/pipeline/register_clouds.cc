@@ -45,7 +45,8 @@ Expected<PairMeasurement> register_clouds(const CloudPair& clouds, const CheckOp
   const std::array<const std::optional<OccupancyCells>*, 2> cells = {&clouds.target_cells, &clouds.source_cells};
   std::array<std::unique_ptr<const SearchableMap>, 2> maps;
   std::array<std::optional<Error>, 2> errors;
-  parallel_for(sides.size(), {run.threads, nullptr, {}}, [&](std::size_t i) {
+  constexpr std::size_t kSteps = 3;  // two maps and a registration
+  parallel_for(sides.size(), part_of(run, 0, kSteps), [&](std::size_t i) {
     Expected<VoxelMap> map = map_of(*sides[i], *cells[i], clouds.scans,
                                     i == 0 ? clouds.target_name : clouds.source_name, own.submap.occupancy);
     if (map) {
@@ -72,6 +73,7 @@ Expected<PairMeasurement> register_clouds(const CloudPair& clouds, const CheckOp
       measure_pair({{*maps[1], clouds.T_target_source_init}, {*maps[0], T_world_target}}, pair, own);
   std::optional<RegistrationResult>& registration = measurement.evidence.registration;
   if (!registration) registration.emplace().T_target_source = clouds.T_target_source_init;  // nothing to align
+  if (run.progress) run.progress(kSteps, kSteps);
   return measurement;
 }
 
