@@ -139,9 +139,11 @@ std::string robot_as_text(const RobotInspection& robot, bool lengths_metric) {
     text += fmt::format("  only the first {} of {} scans were looked at: unpacking takes long\n", robot.clouds_found,
                         robot.clouds_found + robot.clouds_unread);
   }
+  const std::size_t all =
+      robot.poses_are_a_trajectory ? robot.clouds_found : std::max(robot.clouds_found, robot.poses_found);
   text += fmt::format("  {}, {}; poses matched {} of {}\n",
                       counted(robot.clouds, robot.finished_submaps ? "finished submap" : "scan"),
-                      points_in_words(robot), robot.clouds, std::max(robot.clouds_found, robot.poses_found));
+                      points_in_words(robot), robot.clouds, all);
   text += fmt::format("  path {:.1f} m, likely {}; {}\n", robot.path_length_m, counted(robot.likely_submaps, "submap"),
                       stamps_in_words(robot));
   text += fmt::format("  poses x {:.1f} to {:.1f}, y {:.1f} to {:.1f}, z {:.1f} to {:.1f} m; {}\n", low.x(), high.x(),

@@ -92,10 +92,20 @@ std::vector<double> tilts_rad(const RobotLog& robot) {
   return tilts;
 }
 
-// How far apart, at most, the stamps in the clouds' names lie from those of their poses, but for what all of them do;
-// absent where names hold none. [s]
-std::optional<double> names_apart_s(const RobotLog& robot) {
-  if (!robot.cloud_name || robot.stamps_ns.size() != robot.T_world_cloud.size()) return std::nullopt;
+// How far differences between two lists of stamps spread: what all of them have in common is another clock. [s]
+double spread_s(std::span<const std::int64_t> a_ns, std::span<const std::int64_t> b_ns) {
+  std::vector<double> apart_s;
+  for (std::size_t i = 0; i < a_ns.size(); ++i) apart_s.push_back(1e-9 * static_cast<double>(a_ns[i] - b_ns[i]));
+  const auto [least, most] = std::minmax_element(apart_s.begin(), apart_s.end());
+  return *most - *least;
+}
+
+// How far apart stamps of clouds, as the source or else their names have them, lie from those of their poses; absent
+// where only one of both is known. [s]
+std::optional<double> stamps_apart_s(const RobotLog& robot) {
+  if (robot.T_world_cloud.empty() || robot.stamps_ns.size() != robot.T_world_cloud.size()) return std::nullopt;
+  if (robot.pose_stamps_ns.size() == robot.stamps_ns.size()) return spread_s(robot.stamps_ns, robot.pose_stamps_ns);
+  if (!robot.cloud_name) return std::nullopt;
   std::vector<StampText> named;
   for (std::size_t i = 0; i < robot.stamps_ns.size(); ++i) {
     const std::string name = std::filesystem::path(robot.cloud_name(i)).filename().string();
@@ -106,12 +116,7 @@ std::optional<double> names_apart_s(const RobotLog& robot) {
   if (!look_like_stamps(named)) return std::nullopt;
   const auto named_ns = to_nanoseconds(named, guess_unit(named));
   if (!named_ns) return std::nullopt;
-  std::vector<double> apart_s;
-  for (std::size_t i = 0; i < named_ns->size(); ++i) {
-    apart_s.push_back(1e-9 * static_cast<double>((*named_ns)[i] - robot.stamps_ns[i]));
-  }
-  const auto [least, most] = std::minmax_element(apart_s.begin(), apart_s.end());
-  return *most - *least;
+  return spread_s(*named_ns, robot.stamps_ns);
 }
 
 /// Collects what is odd about one robot.
@@ -130,7 +135,8 @@ class Finder {
                                             [](const Oddity& oddity) { return oddity.code == "millimetres"; });
     if (!poses_are_odd && !in_millimetres) look_at_reading();
     look_at_all_clouds();
-    if (seen_.clouds_found > seen_.clouds || seen_.poses_found > seen_.clouds) {
+    const bool poses_are_left = seen_.poses_found > seen_.clouds && !seen_.poses_are_a_trajectory;
+    if (seen_.clouds_found > seen_.clouds || poses_are_left) {
       say("poses-unmatched", fmt::format("{} of {} clouds and {} poses belong together", seen_.clouds,
                                          seen_.clouds_found, seen_.poses_found));
     }
@@ -189,10 +195,10 @@ class Finder {
     }
     if (intervals_s.empty()) return;
     const double usual_s = std::abs(median_of(intervals_s));
-    if (const auto apart_s = names_apart_s(robot_); apart_s && *apart_s > kIntervalsApart * usual_s) {
+    if (const auto apart_s = stamps_apart_s(robot_); apart_s && *apart_s > kIntervalsApart * usual_s) {
       say("stamps-differ",
-          fmt::format("stamps in the clouds' names and of the poses they go with drift apart by {:.2f} "
-                      "s, where clouds come every {:.2f} s",
+          fmt::format("stamps of the clouds and of the poses they go with drift apart by {:.2f} s, where clouds come "
+                      "every {:.2f} s",
                       *apart_s, usual_s));
     }
     const auto [least, most] = std::minmax_element(intervals_s.begin(), intervals_s.end());

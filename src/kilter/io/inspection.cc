@@ -90,6 +90,7 @@ Expected<RobotInspection> look_at(const RobotLog& robot, std::size_t submaps, do
   seen.clouds = robot.T_world_cloud.size();
   seen.clouds_found = robot.clouds_found;
   seen.poses_found = robot.poses_found;
+  seen.poses_are_a_trajectory = robot.poses_are_a_trajectory;
   seen.clouds_unread = robot.clouds_unread;
   seen.points = count_points(robot);
   seen.path_length_m = path_lengths_m(robot.T_world_cloud).back();

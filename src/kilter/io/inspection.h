@@ -30,9 +30,10 @@ struct RobotInspection {
   std::size_t clouds = 0;  ///< that have a pose
   std::size_t clouds_found = 0;
   std::size_t poses_found = 0;
-  std::size_t clouds_unread = 0;     ///< beyond what a glance took in: all but `points` leaves them out
-  std::optional<PointCount> points;  ///< absent where headers do not tell
-  bool points_are_voxels = false;    ///< of octrees
+  bool poses_are_a_trajectory = false;  ///< as in RobotLog
+  std::size_t clouds_unread = 0;        ///< beyond what a glance took in: all but `points` leaves them out
+  std::optional<PointCount> points;     ///< absent where headers do not tell
+  bool points_are_voxels = false;       ///< of octrees
   double path_length_m = 0.0;
   Eigen::AlignedBox3d extent_world_m;    ///< of the poses
   std::optional<std::int64_t> first_ns;  ///< earliest stamp, where there are stamps

@@ -189,6 +189,10 @@ TEST(Inspect, TellsPosesThatAreInvertedAndCloudsThatAreInTheWorldAlready) {
   log.T_world_cloud = truth;
   log.read_cloud = [&](std::size_t i) -> Expected<PointCloud> { return posts_near(i, Pose3()); };
   EXPECT_EQ(codes(inspected({log})), Codes{"clouds-in-world"});
+  log.finished_submaps = true;
+  EXPECT_EQ(codes(inspected({log})), Codes{"clouds-in-world"});
+  log.read_cloud = [&](std::size_t i) -> Expected<PointCloud> { return posts_near(i, truth[i].inverse()); };
+  EXPECT_EQ(codes(inspected({log})), Codes{});
 }
 
 TEST(Inspect, TellsCloudsWhoseNamesAreOtherStampsThanTheirPoses) {
@@ -205,6 +209,10 @@ TEST(Inspect, TellsCloudsWhoseNamesAreOtherStampsThanTheirPoses) {
   EXPECT_EQ(codes(inspected({log})), Codes{"stamps-differ"});
   log.cloud_name = [](std::size_t i) { return fmt::format("{:06}.pcd", 2 * i); };
   EXPECT_EQ(codes(inspected({log})), Codes{}) << "numbers are no stamps";
+  log.pose_stamps_ns = log.stamps_ns;
+  EXPECT_EQ(codes(inspected({log})), Codes{});
+  std::reverse(log.pose_stamps_ns.begin(), log.pose_stamps_ns.end());
+  EXPECT_EQ(codes(inspected({log})), Codes{"stamps-differ"}) << "poses in the place of the source's own";
 }
 
 TEST(Inspect, CountsPairsOfSubmapsThatAreNear) {

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <memory>
 
 #include "kilter/base/contract.h"
@@ -19,19 +20,46 @@ namespace fs = std::filesystem;
 
 // The first file whose number is not its neighbour's plus one: most likely a scan between them is gone.
 std::optional<std::size_t> find_gap(const std::vector<std::string>& files) {
-  for (std::size_t i = 1; i < files.size(); ++i) {
-    const auto before = number_of_file(files[i - 1]);
-    const auto here = number_of_file(files[i]);
-    if (!before || !here || *here <= *before) return std::nullopt;
-    if (*here - *before > 1) return i;
+  const auto numbers = numbers_of_files(files);
+  for (std::size_t i = 1; numbers && i < files.size(); ++i) {
+    if ((*numbers)[i] <= (*numbers)[i - 1]) return std::nullopt;
+    if ((*numbers)[i] - (*numbers)[i - 1] > 1) return i;
   }
   return std::nullopt;
 }
 
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
+
+std::string_view stem_of(std::string_view name) { return name.substr(0, name.rfind('.')); }
+
 }  // namespace
 
-std::optional<std::uint64_t> number_of_file(std::string_view name) {
-  return parse_count(name.substr(0, name.rfind('.')));
+std::optional<std::uint64_t> number_of_file(std::string_view name) { return parse_count(stem_of(name)); }
+
+std::optional<std::vector<std::uint64_t>> numbers_of_files(std::span<const std::string> names) {
+  if (names.empty()) return std::nullopt;
+  std::string_view before = stem_of(names.front());
+  std::string_view behind = before;
+  for (const std::string& file : names) {
+    const std::string_view name = stem_of(file);
+    const auto differ = std::mismatch(before.begin(), before.end(), name.begin(), name.end()).first;
+    before = before.substr(0, static_cast<std::size_t>(differ - before.begin()));
+    const auto differ_behind = std::mismatch(behind.rbegin(), behind.rend(), name.rbegin(), name.rend()).first;
+    behind = behind.substr(behind.size() - static_cast<std::size_t>(differ_behind - behind.rbegin()));
+  }
+  // Digits that all numbers share are theirs, too.
+  while (!before.empty() && is_digit(before.back())) before.remove_suffix(1);
+  while (!behind.empty() && is_digit(behind.front())) behind.remove_prefix(1);
+  if (before.ends_with('.')) return std::nullopt;  // 5.12 is no more than 5.2
+  std::vector<std::uint64_t> numbers;
+  for (const std::string& file : names) {
+    const std::string_view name = stem_of(file);
+    if (name.size() < before.size() + behind.size()) return std::nullopt;
+    const auto number = parse_count(name.substr(before.size(), name.size() - before.size() - behind.size()));
+    if (!number) return std::nullopt;
+    numbers.push_back(*number);
+  }
+  return numbers;
 }
 
 tl::unexpected<Error> refuse_counts(const std::vector<std::string>& files, std::size_t poses, const fs::path& pose_file,

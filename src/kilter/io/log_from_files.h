@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -24,6 +25,10 @@ void read_from_files(RobotLog& log, std::vector<std::filesystem::path> paths);
 
 /// "000012" of "000012.pcd", as a number, if it is one.
 [[nodiscard]] std::optional<std::uint64_t> number_of_file(std::string_view name);
+
+/// The numbers by which files' names differ: 1, 10 and 2 of "scan_1.pcd", "scan_10.pcd" and "scan_2.pcd".
+/// \return  one for each; nothing where names differ in more than one number, or a name has none there
+[[nodiscard]] std::optional<std::vector<std::uint64_t>> numbers_of_files(std::span<const std::string> names);
 
 /// Counts that differ: says both, and which is the first missing one.
 /// \param files  names of the clouds, in order

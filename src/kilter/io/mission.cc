@@ -9,8 +9,11 @@
 #include <string_view>
 #include <system_error>
 
+#include "kilter/io/cloud_file.h"
 #include "kilter/io/file.h"
+#include "kilter/io/octree_reader.h"
 #include "kilter/io/pose_file.h"
+#include "kilter/io/sources/cloud_folder.h"
 #include "kilter/io/sources/find_robots.h"
 #include "kilter/io/sources/robot_folder.h"
 
@@ -41,6 +44,14 @@ void move_to_sensor(RobotLog& log, const MissionOptions& options, std::vector<st
     return;
   }
   for (Pose3& T_world_cloud : log.T_world_cloud) T_world_cloud = T_world_cloud * *T_body_sensor;
+  if (!log.clouds_in_world) return;
+  // Where the source draws clouds in the world, they were brought back to the body.
+  log.read_cloud = [read = std::move(log.read_cloud), T = T_body_sensor->inverse().isometry()](std::size_t i) {
+    Expected<PointCloud> cloud = read(i);
+    if (!cloud) return cloud;
+    for (Eigen::Vector3f& point_m : cloud->points_m) point_m = (T * point_m.cast<double>()).cast<float>();
+    return cloud;
+  };
 }
 
 Expected<void> check_sensor_names(const MissionOptions& options, const std::vector<FoundRobot>& robots) {
@@ -64,6 +75,19 @@ Expected<void> replace_poses(RobotLog& log, const fs::path& folder) {
                 fmt::format("{} poses, but the {} has {} clouds with a pose", poses->T_world_cloud.size(), log.kind,
                             log.T_world_cloud.size()),
                 shown(*pose_file), "one pose for each of them, in the same order");
+  }
+  if (!poses->files.empty()) {
+    std::vector<std::string> clouds;
+    for (std::size_t i = 0; i < poses->files.size(); ++i) clouds.push_back(fs::path(log.cloud_name(i)).filename());
+    // A bag's clouds have no files of their own.
+    if (cloud_format_of(clouds.front()) || has_octree_name(clouds.front())) {
+      if (auto ok = check_names(clouds, *poses, *pose_file); !ok) return pass_up(ok.error());
+    }
+  }
+  if (log.stamps_ns.empty()) {
+    take_stamps(log, *poses);
+  } else {
+    log.pose_stamps_ns = stamps_ns_of(*poses).value_or(std::vector<std::int64_t>());
   }
   log.T_world_cloud = std::move(poses->T_world_cloud);
   return {};

@@ -75,8 +75,8 @@ std::span<const OddityTopic> oddity_catalog() {
           "they are another sensor's, or belong to other clouds.",
           "give the sensor's place on the robot as T_body_sensor, or the poses of these clouds"},
       OddityTopic{"stamps-differ",
-                  "Clouds were paired with poses in order, and the stamps in their names are not those of the poses: a "
-                  "cloud or a pose is missing somewhere, and all behind it go with the wrong one.",
+                  "Clouds were paired with poses in order, and their stamps, or those in their names, are not those of "
+                  "the poses: a cloud or a pose is missing somewhere, and all behind it go with the wrong one.",
                   "remove what has no partner, or give poses with the clouds' stamps"},
       OddityTopic{
           "far-robot",

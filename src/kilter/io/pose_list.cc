@@ -35,17 +35,6 @@ bool is_graph_tag(std::string_view word) {
   return std::any_of(kTags.begin(), kTags.end(), [&](std::string_view tag) { return word.starts_with(tag); });
 }
 
-// Columns of a line as a heading's separator cuts it.
-std::size_t count_cells(std::string_view line, char separator) {
-  if (separator != ' ') {
-    const bool ends_so = line.ends_with(separator);
-    return static_cast<std::size_t>(std::count(line.begin(), line.end(), separator)) + (ends_so ? 0 : 1);
-  }
-  std::size_t count = 0;
-  while (!take_word(line).empty()) ++count;
-  return count;
-}
-
 // "t x y z qx qy qz qw" tells nothing that the number of columns does not; and rows without a heading may have
 // comments behind them, and stamps below zero.
 bool is_order_of_tum(const PoseColumns& columns) {
@@ -54,9 +43,9 @@ bool is_order_of_tum(const PoseColumns& columns) {
 }
 
 // A heading may stand in a comment: "# timestamp [ns], p_RS_R_x [m], ...".
-bool is_heading_of(std::string_view comment, std::string_view row) {
-  const Expected<PoseColumns> columns = parse_heading(comment);
-  return columns && columns->count == count_cells(row, columns->separator) && !is_order_of_tum(*columns);
+bool have_heading_of(std::span<const std::string_view> comments, std::string_view row) {
+  const std::optional<PoseColumns> columns = heading_in_comments(comments, row);
+  return columns && !is_order_of_tum(*columns);
 }
 
 // Whether the first line that is no comment begins with a word: a heading, if anything.
@@ -113,15 +102,16 @@ std::string_view name_of(PoseLayout layout) {
 
 std::optional<PoseLayout> guess_pose_layout(std::string_view bytes) {
   ByteCursor cursor(without_byte_order_mark(bytes));
-  std::string_view comment;
+  std::vector<std::string_view> comments;
   while (const std::optional<std::string_view> line = cursor.take_line()) {
     const std::string_view word = first_word(*line);
     if (word.empty() || word.starts_with('%')) {
-      if (line->starts_with('#') || line->starts_with('%')) comment = *line;
+      const bool is_comment = line->starts_with('#') || line->starts_with('%');
+      if (is_comment && comments.size() < kMostComments) comments.push_back(*line);
       continue;
     }
     if (is_graph_tag(word)) return PoseLayout::kG2o;
-    if (!comment.empty() && is_heading_of(comment, *line)) return PoseLayout::kTable;
+    if (have_heading_of(comments, *line)) return PoseLayout::kTable;
     const std::size_t numbers = count_numbers(*line);
     if (numbers == 8) return PoseLayout::kTum;
     if (numbers == 12) return PoseLayout::kKitti;

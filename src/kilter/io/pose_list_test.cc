@@ -44,6 +44,21 @@ TEST(PoseList, TakesAHeadingFromACommentIfItFits) {
   EXPECT_EQ(tum->layout, PoseLayout::kTum);
 }
 
+TEST(PoseList, TakesAHeadingFromAnyCommentHoweverItIsCut) {
+  const std::string blanks = "40.5 1 2 3 1 0 0 0\n";
+  const std::string commas = "40.5,1,2,3,1,0,0,0\n";
+  for (const std::string& text :
+       {"#timestamp tx ty tz qw qx qy qz\n# frame: map\n" + blanks, "#timestamp,tx,ty,tz,qw,qx,qy,qz\n" + blanks,
+        "#timestamp;tx;ty;tz;qw;qx;qy;qz\n" + blanks, "# timestamp tx ty tz qw qx qy qz\n" + commas,
+        "# one line each\n# format: timestamp tx ty tz qw qx qy qz\n" + blanks}) {
+    const auto list = read_pose_list(text, "p");
+    ASSERT_TRUE(list) << text << to_string(list.error());
+    EXPECT_EQ(list->layout, PoseLayout::kTable) << text;
+    EXPECT_NEAR(list->T_world_cloud.at(0).angle_rad(), 0.0, 1e-12) << text;
+    EXPECT_EQ(stamps_ns_of(*list)->at(0), 40'500'000'000) << text;
+  }
+}
+
 TEST(PoseList, KeepsIdsOfGraphs) {
   const auto list =
       read_pose_list("VERTEX_SE3:QUAT 5 1 0 0 0 0 0 1\nVERTEX_SE3:QUAT 3 2 0 0 0 0 0 1\nEDGE_SE3:QUAT 3 5\n", "p");

@@ -19,7 +19,10 @@ constexpr double kMostWay_m = 3.0;   // and more shows other places
 constexpr double kVoxel_m = 0.3;
 constexpr double kNear_m = 20.0;  // points beyond lie too far apart to meet
 constexpr std::size_t kMostPoints = 6000;
-constexpr double kGoAlong = 0.5;    // of the sensor's way, that clouds' middles may stray from it
+constexpr double kGoAlong = 0.5;  // of the sensor's way, that clouds' middles may stray from it
+// Middles of finished submaps say more of the rooms than of the way: 0.7 of it where they were in the world, 1.1 where
+// they were in their own frames.
+constexpr double kSubmapsGoAlong = 0.9;
 constexpr double kMoreMeet = 1.25;  // times as many points, and
 constexpr double kShareMore = 0.1;  // at least this share of them
 // Under the right reading nearly as many points meet as of the next cloud, whose place hardly matters: 0.92 to 0.96 of
@@ -30,11 +33,16 @@ constexpr double kUnlikeNext = 0.25;
 
 using Pair = std::pair<std::size_t, std::size_t>;
 
-// Evenly along the way.
-std::vector<Pair> some_pairs(const std::vector<Pose3>& poses) {
+// Evenly along the way; finished submaps with the next ones, however far they lie.
+std::vector<Pair> some_pairs(const RobotLog& robot) {
+  const std::vector<Pose3>& poses = robot.T_world_cloud;
   std::vector<Pair> pairs;
   std::size_t first = 0;
   for (std::size_t i = 1; i < poses.size(); ++i) {
+    if (robot.finished_submaps) {
+      pairs.emplace_back(i - 1, i);
+      continue;
+    }
     const double way_m = (poses[i].translation_m() - poses[first].translation_m()).norm();
     if (way_m < kLeastWay_m) continue;
     if (way_m <= kMostWay_m) pairs.emplace_back(first, i);
@@ -96,8 +104,8 @@ double share_that_meets(const std::vector<Eigen::Vector3d>& points_m, const Pose
 }  // namespace
 
 std::optional<OtherReading> find_other_reading(const RobotLog& robot) {
-  if (!robot.read_cloud || robot.finished_submaps) return std::nullopt;
-  const std::vector<Pair> pairs = some_pairs(robot.T_world_cloud);
+  if (!robot.read_cloud) return std::nullopt;
+  const std::vector<Pair> pairs = some_pairs(robot);
   if (pairs.size() < kFewestPairs) return std::nullopt;
   OtherReading in_world{PoseReading::kCloudsInWorld, 0.0, 0.0};
   OtherReading inverse{PoseReading::kInverse, 0.0, 0.0};
@@ -127,12 +135,15 @@ std::optional<OtherReading> find_other_reading(const RobotLog& robot) {
   inverse.as_given = in_world.as_given;
   // The robot's own body and the rings on the floor around it meet wherever it goes, in the sensor's frame. Clouds in
   // the world's frame go along with the poses.
-  const bool go_along = spread_m(off_sensors_m) < kGoAlong * spread_m(sensors_m);
+  const double most_stray = robot.finished_submaps ? kSubmapsGoAlong : kGoAlong;
+  const bool go_along = spread_m(off_sensors_m) < most_stray * spread_m(sensors_m);
   const OtherReading& better = go_along && in_world.otherwise > inverse.otherwise ? in_world : inverse;
   const bool is_clear =
       better.otherwise > kMoreMeet * better.as_given && better.otherwise > better.as_given + kShareMore;
   if (is_clear && (better.reading != PoseReading::kInverse || better.otherwise > kLikeNext * next_meets)) return better;
-  const bool is_neither = next_meets > kShareMore && better.as_given < kUnlikeNext * next_meets;
+  // Finished submaps lie too far apart for what else they show to mean much.
+  const bool is_neither =
+      !robot.finished_submaps && next_meets > kShareMore && better.as_given < kUnlikeNext * next_meets;
   return is_neither ? std::optional(OtherReading{PoseReading::kNeither, better.as_given, next_meets}) : std::nullopt;
 }
 

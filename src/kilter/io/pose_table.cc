@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 
 #include "kilter/io/byte_cursor.h"
 #include "kilter/io/number_text.h"
@@ -109,6 +110,36 @@ std::string_view without_unit(std::string_view name) {
   return name;
 }
 
+// "header_stamp_secs" is the part "secs" of "header_stamp".
+std::pair<std::string_view, std::string_view> whole_and_part(std::string_view name) {
+  const std::size_t underscore = name.rfind('_');
+  if (underscore == std::string_view::npos) return {{}, name};
+  return {name.substr(0, underscore), name.substr(underscore + 1)};
+}
+
+constexpr std::array<std::string_view, 3> kSecondsParts = {"sec", "secs", "seconds"};
+constexpr std::array<std::string_view, 5> kNanosecondsParts = {"nsec", "nsecs", "nanosec", "nanosecs", "nanoseconds"};
+
+template <std::size_t n>
+std::optional<std::size_t> find_part(const std::vector<std::string>& names,
+                                     const std::array<std::string_view, n>& parts) {
+  const auto found = std::find_if(names.begin(), names.end(), [&](const std::string& name) {
+    return std::find(parts.begin(), parts.end(), whole_and_part(name).second) != parts.end();
+  });
+  return found == names.end() ? std::nullopt : std::optional(static_cast<std::size_t>(found - names.begin()));
+}
+
+// Where seconds and nanoseconds of one stamp are two columns, they are the stamp.
+void take_split_stamp(const std::vector<std::string>& names, PoseColumns& columns) {
+  const std::optional<std::size_t> seconds = find_part(names, kSecondsParts);
+  const std::optional<std::size_t> nanoseconds = find_part(names, kNanosecondsParts);
+  if (!seconds || !nanoseconds) return;
+  if (whole_and_part(names[*seconds]).first != whole_and_part(names[*nanoseconds]).first) return;
+  columns.stamp = seconds;
+  columns.nanoseconds = nanoseconds;
+  columns.unit = StampUnit::kSeconds;
+}
+
 std::optional<StampUnit> unit_of(const ColumnName& column) {
   const std::string_view suffix =
       column.unit.empty() ? std::string_view(column.name).substr(without_unit(column.name).size()) : column.unit;
@@ -147,6 +178,20 @@ Expected<Pose3> parse_pose_cells(const std::vector<std::string_view>& cells, con
   return pose_from_quaternion({values[0], values[1], values[2]}, {values[3], values[4], values[5], values[6]});
 }
 
+Expected<StampText> parse_stamp_cells(const std::vector<std::string_view>& cells, const PoseColumns& columns) {
+  const auto refuse = [&](std::size_t column, std::string_view expected) {
+    return fail(ErrorCode::kParse, fmt::format("column {}: expected {}, found \"{}\"", column + 1, expected,
+                                               printable(cells[column], 40)));
+  };
+  const std::optional<StampText> stamp = parse_stamp_text(cells[*columns.stamp]);
+  if (!stamp) return refuse(*columns.stamp, "a stamp");
+  if (!columns.nanoseconds) return *stamp;
+  constexpr std::uint64_t kBillion = 1'000'000'000;
+  const std::optional<std::uint64_t> nanoseconds = parse_count(cells[*columns.nanoseconds]);
+  if (!nanoseconds || *nanoseconds >= kBillion) return refuse(*columns.nanoseconds, "nanoseconds below 1000000000");
+  return StampText{stamp->whole, static_cast<std::int64_t>(*nanoseconds), true};
+}
+
 Expected<void> add_row(PoseTable& table, std::string_view line, const PoseColumns& columns) {
   const std::vector<std::string_view> cells = cells_of(line, columns.separator);
   if (cells.size() != columns.count) {
@@ -157,11 +202,8 @@ Expected<void> add_row(PoseTable& table, std::string_view line, const PoseColumn
   if (!pose) return pass_up(pose.error());
   table.T_world_cloud.push_back(*pose);
   if (columns.stamp) {
-    const std::optional<StampText> stamp = parse_stamp_text(cells[*columns.stamp]);
-    if (!stamp) {
-      return fail(ErrorCode::kParse, fmt::format("column {}: expected a stamp, found \"{}\"", *columns.stamp + 1,
-                                                 printable(cells[*columns.stamp], 40)));
-    }
+    const Expected<StampText> stamp = parse_stamp_cells(cells, columns);
+    if (!stamp) return pass_up(stamp.error());
     table.stamps.push_back(*stamp);
   }
   if (columns.file) {
@@ -170,6 +212,15 @@ Expected<void> add_row(PoseTable& table, std::string_view line, const PoseColumn
     table.files.emplace_back(file.substr(file.find_last_of("/\\") + 1));
   }
   return {};
+}
+
+// Rows may be cut by another separator than their heading. \return whether the row has as many columns by either
+bool take_separator_of(std::string_view row, PoseColumns& columns) {
+  if (cells_of(row, columns.separator).size() == columns.count) return true;
+  const char own = separator_of(row);
+  if (cells_of(row, own).size() != columns.count) return false;
+  columns.separator = own;
+  return true;
 }
 
 bool is_comment(std::string_view line) { return line.starts_with('#') || line.starts_with('%'); }
@@ -182,8 +233,10 @@ Expected<PoseColumns> parse_heading(std::string_view line) {
   const std::vector<std::string_view> cells = cells_of(trimmed(line), columns.separator);
   columns.count = cells.size();
   std::array<std::optional<std::size_t>, 7> places;
+  std::vector<std::string> names;
   for (std::size_t i = 0; i < cells.size(); ++i) {
     const ColumnName column = parse_column_name(cells[i]);
+    names.push_back(column.name);
     if (const auto place = place_in_pose(column.name)) {
       if (places[*place]) {
         return fail(ErrorCode::kParse, fmt::format("columns {} and {} of the heading both mean {}", *places[*place] + 1,
@@ -204,24 +257,46 @@ Expected<PoseColumns> parse_heading(std::string_view line) {
         "8 columns are TUM's and 12 KITTI's");
   }
   for (const std::optional<std::size_t>& place : places) columns.pose.push_back(*place);
+  take_split_stamp(names, columns);
   return columns;
+}
+
+std::optional<PoseColumns> heading_in_comment(std::string_view comment, std::string_view row) {
+  const std::size_t colon = comment.rfind(':');
+  for (const std::size_t first : {std::size_t{0}, colon == std::string_view::npos ? 0 : colon + 1}) {
+    Expected<PoseColumns> columns = parse_heading(comment.substr(first));
+    if (columns && take_separator_of(row, *columns)) return *std::move(columns);
+  }
+  return std::nullopt;
+}
+
+std::optional<PoseColumns> heading_in_comments(std::span<const std::string_view> comments, std::string_view row) {
+  for (const std::string_view comment : comments) {
+    if (std::optional<PoseColumns> columns = heading_in_comment(comment, row)) return columns;
+  }
+  return std::nullopt;
 }
 
 Expected<PoseTable> read_pose_table(std::string_view bytes, const std::string& where) {
   ByteCursor cursor(without_byte_order_mark(bytes));
   PoseTable table;
   std::optional<PoseColumns> columns;
+  std::vector<std::string_view> comments;  // above the first row
   while (const std::optional<std::string_view> line = cursor.take_line()) {
-    const std::string_view content = trimmed(*line);
-    if (content.empty()) continue;
+    if (trimmed(*line).empty()) continue;
+    if (is_comment(*line)) {
+      if (!columns && comments.size() < kMostComments) comments.push_back(*line);
+      continue;
+    }
     Expected<void> ok;
-    if (!columns) {
-      const Expected<PoseColumns> heading = parse_heading(*line);
-      if (!heading && is_comment(*line)) continue;
-      if (heading) columns = *heading;
-      if (!heading) ok = pass_up(heading.error());
-    } else if (!is_comment(*line)) {
+    if (!columns) columns = heading_in_comments(comments, *line);
+    if (columns) {
+      if (table.T_world_cloud.empty()) take_separator_of(*line, *columns);
       ok = add_row(table, *line, *columns);
+    } else if (Expected<PoseColumns> heading = parse_heading(*line)) {
+      columns = *std::move(heading);
+    } else {
+      ok = pass_up(heading.error());
     }
     if (!ok) {
       ok.error().where = fmt::format("{}:{}", where, cursor.line());

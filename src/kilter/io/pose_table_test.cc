@@ -67,6 +67,21 @@ TEST(PoseTable, KeepsStampsUnitsAndNamesOfFiles) {
   EXPECT_EQ(parse_heading("t [us],x,y,z,qx,qy,qz,qw")->unit, StampUnit::kMicroseconds);
 }
 
+TEST(PoseTable, PutsAStampOfTwoColumnsTogether) {
+  for (const char* names :
+       {"secs,nsecs", "sec,nanosec", "stamp_sec,stamp_nsec", "header.stamp.secs,header.stamp.nsecs"}) {
+    const auto table = read_pose_table(std::string(names) + ",x,y,z,qx,qy,qz,qw\n17,5000000,1,2,3,0,0,0,1\n", "p");
+    ASSERT_TRUE(table) << names;
+    ASSERT_EQ(table->stamps.size(), 1U) << names;
+    EXPECT_EQ(table->stamps[0].whole, 17) << names;
+    EXPECT_EQ(table->stamps[0].billionths, 5'000'000) << names;
+    EXPECT_EQ(table->unit, StampUnit::kSeconds) << names;
+  }
+  expect_error("secs,nsecs,x,y,z,qx,qy,qz,qw\n17,1000000000,1,2,3,0,0,0,1\n", ErrorCode::kParse,
+               "poses.csv:2: column 2: expected nanoseconds below 1000000000, found \"1000000000\"");
+  EXPECT_FALSE(parse_heading("a_sec,b_nsec,x,y,z,qx,qy,qz,qw")->nanoseconds) << "of two different stamps";
+}
+
 TEST(PoseTable, PassesOverOtherColumnsAndEmptyOnesAtTheEnd) {
   expect_the_pose(read_pose_table("x,y,z,qx,qy,qz,qw,v_x,comment,\n1,2,3,0,0,.70710678,.70710678,9,good,\n", "p"));
 }

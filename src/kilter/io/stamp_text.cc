@@ -86,6 +86,22 @@ bool is_of_this_century(std::int64_t value, StampUnit unit) {
   return seconds >= 1'000'000'000 && seconds < 4'102'444'800;
 }
 
+// Whether seconds with a fraction go by as scans come. "lidar0_000000012" and "20231114_221400100", a counter and a day
+// with its time, read as seconds and nanoseconds, stand about still.
+bool are_as_slow_as_scans(std::span<const StampText> stamps) {
+  constexpr std::int64_t kFastest = 1'000'000;  // billionths
+  std::vector<std::pair<std::int64_t, std::int64_t>> times;
+  times.reserve(stamps.size());
+  for (const StampText& stamp : stamps) times.emplace_back(stamp.whole, stamp.billionths);
+  std::sort(times.begin(), times.end());
+  std::size_t slow = 0;
+  for (std::size_t i = 1; i < times.size(); ++i) {
+    const std::int64_t wholes = times[i].first - times[i - 1].first;
+    if (wholes > 1 || wholes * kBillion + times[i].second - times[i - 1].second >= kFastest) ++slow;
+  }
+  return 2 * slow + 1 >= times.size();
+}
+
 std::string as_text(const StampText& stamp) {
   return stamp.has_point ? fmt::format("{}.{:03}", stamp.whole, stamp.billionths / 1'000'000)
                          : fmt::format("{}", stamp.whole);
@@ -125,10 +141,13 @@ std::optional<StampText> stamp_of_file(std::string_view name) {
 }
 
 bool look_like_stamps(std::span<const StampText> stamps) {
-  return std::any_of(stamps.begin(), stamps.end(), [](const StampText& stamp) {
-    return stamp.has_point || std::any_of(kUnits.begin(), kUnits.end(),
-                                          [&](StampUnit unit) { return is_of_this_century(stamp.whole, unit); });
+  const bool has_time = std::any_of(stamps.begin(), stamps.end(), [](const StampText& stamp) {
+    return std::any_of(kUnits.begin(), kUnits.end(),
+                       [&](StampUnit unit) { return is_of_this_century(stamp.whole, unit); });
   });
+  if (has_time) return true;
+  const bool has_point = std::any_of(stamps.begin(), stamps.end(), [](const auto& stamp) { return stamp.has_point; });
+  return has_point && are_as_slow_as_scans(stamps);
 }
 
 StampUnit guess_unit(std::span<const StampText> stamps) {

@@ -31,7 +31,8 @@ enum class StampUnit { kSeconds, kMilliseconds, kMicroseconds, kNanoseconds };
 /// (seconds, nanoseconds) or "cloud_12.5.ply". Also takes mere numbers ("000012.pcd").
 [[nodiscard]] std::optional<StampText> stamp_of_file(std::string_view name);
 
-/// Whether numbers can hardly count clouds: some have a point, or lie where clocks stand since 2001.
+/// Whether numbers can hardly count clouds: some have a point and go by as scans come (most of them a millisecond or
+/// more apart), or lie where clocks stand since 2001.
 [[nodiscard]] bool look_like_stamps(std::span<const StampText> stamps);
 
 /// The unit in which stamps, in order, most likely stand: the one that makes them Unix times of this century in

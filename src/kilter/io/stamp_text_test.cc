@@ -49,6 +49,15 @@ TEST(StampText, TellsStampsFromCounts) {
   EXPECT_TRUE(look_like_stamps(of({"1403636579"})));
   EXPECT_TRUE(look_like_stamps(of({"1403636579763555584"})));
   EXPECT_FALSE(look_like_stamps({}));
+  const auto in_names = [](std::initializer_list<const char*> names) {
+    std::vector<StampText> stamps;
+    for (const char* name : names) stamps.push_back(*stamp_of_file(name));
+    return stamps;
+  };
+  EXPECT_TRUE(look_like_stamps(in_names({"12_500000000.pcd", "12_600000000.pcd", "13_000000000.pcd"})));
+  EXPECT_FALSE(look_like_stamps(in_names({"lidar0_000000012.bin", "lidar0_000000013.bin"}))) << "a counter";
+  EXPECT_FALSE(look_like_stamps(in_names({"20231114_221459900.bin", "20231114_221500000.bin"})))
+      << "a day and its time";
 }
 
 TEST(StampText, GuessesTheUnitByMagnitudeAndStep) {

@@ -35,10 +35,14 @@ struct RobotLog {
   std::vector<Pose3> T_world_cloud;
   /// When each cloud was taken, where its source tells; else empty. Unix time or any other zero. [ns]
   std::vector<std::int64_t> stamps_ns;
+  /// Of poses that were given in the place of a source's own, where their list has stamps; else empty. [ns]
+  std::vector<std::int64_t> pose_stamps_ns;
   std::string stamp_unit;  ///< in which the source wrote them, known or guessed: "s", "ms", "us", "ns"; else empty
   /// What the source held before clouds and poses were brought together; equal to the size above where each had one.
   std::size_t clouds_found = 0;
   std::size_t poses_found = 0;
+  bool poses_are_a_trajectory = false;  ///< clouds were looked up in it by time: it may well have more poses than they
+  bool clouds_in_world = false;         ///< the source draws them in the world: read_cloud takes them back by the pose
   /// Where only a glance was asked for and reading all takes long: how many clouds follow that nobody looked at.
   std::size_t clouds_unread = 0;
   /// Each cloud is a whole submap in its own frame, not a scan: no sensor origin, so no free space but what read_cells

@@ -76,6 +76,8 @@ Expected<RobotLog> make_bag_log(std::string name, BagFiles files, const WantedTo
   log.name = std::move(name);
   log.clouds_found = choice->stamps_ns.size();
   log.poses_found = choice->poses_found;
+  log.poses_are_a_trajectory = true;
+  log.clouds_in_world = choice->clouds_in_world;
   log.stamp_unit = "ns";  // as all of ROS
   log.clouds_unread = choice->clouds->unread;
   for (const std::size_t i : choice->matched) {

@@ -8,14 +8,16 @@
 #include <optional>
 #include <tuple>
 
+#include "kilter/base/contract.h"
 #include "kilter/io/bags/bag_log.h"
 #include "kilter/io/bags/mcap.h"
 #include "kilter/io/bags/rosbag1.h"
 #include "kilter/io/bags/rosbag2_sqlite.h"
+#include "kilter/io/byte_cursor.h"
 #include "kilter/io/file.h"
 #include "kilter/io/number_text.h"
 #include "kilter/io/random_access_file.h"
-#include "kilter/io/sources/robot_folder.h"
+#include "kilter/io/sources/source_kind.h"
 
 namespace kilter {
 namespace {
@@ -34,10 +36,11 @@ bool is_bag_of(const fs::path& path, std::string_view extension) {
   const auto names = is_folder(path) ? list_folder(path) : Expected<std::vector<std::string>>();
   if (!names) return false;
   const auto is_part = [&](const std::string& name) { return has_extension(name, extension) && is_file(path / name); };
-  // A mission's folder may have the bags that it was made of beside its robots.
+  // A mission's folder may have the bags that it was made of beside its robots, or sessions of several kinds.
   return std::any_of(names->begin(), names->end(), is_part) &&
-         std::none_of(names->begin(), names->end(),
-                      [&](const std::string& name) { return is_robot_folder(path / name); });
+         std::none_of(names->begin(), names->end(), [&](const std::string& name) {
+           return !name.starts_with('.') && is_folder(path / name) && recognise(path / name) != nullptr;
+         });
 }
 
 // "run_12.mcap" is part 12 of "run".
@@ -55,9 +58,76 @@ Part part_of(const std::string& name) {
   return {number ? stem.substr(0, underscore) : stem, number, name};
 }
 
-// A folder's parts of one recording, in order. Names come from the folder itself: what metadata.yaml says is not
-// needed.
-Expected<std::vector<fs::path>> files_of(const fs::path& path, std::string_view extension) {
+// The names below `relative_file_paths:`; none where there is no such file, or none in it.
+std::vector<std::string> names_in_metadata(const fs::path& file) {
+  constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 20;
+  std::vector<std::string> names;
+  const auto bytes = read_file(file, kMostBytes);
+  if (!bytes) return names;
+  ByteCursor cursor(without_byte_order_mark(bytes->view()));
+  bool is_list = false;
+  while (const std::optional<std::string_view> line = cursor.take_line()) {
+    std::string_view rest = *line;
+    const std::string_view word = take_word(rest);
+    if (is_list && word == "-") {
+      std::string_view name = take_word(rest);
+      if (name.size() > 2 && (name.front() == '"' || name.front() == '\'')) name = name.substr(1, name.size() - 2);
+      names.emplace_back(name.substr(name.rfind('/') + 1));
+    } else {
+      is_list = word == "relative_file_paths:";
+    }
+  }
+  return names;
+}
+
+// Of a folder whose names do not number the parts of one recording, those that metadata.yaml lists.
+Expected<std::vector<Part>> parts_of_one(const SourceRequest& request, std::string_view extension,
+                                         std::vector<Part> parts, std::vector<std::string>& notes) {
+  const std::vector<std::string> listed = names_in_metadata(request.path / "metadata.yaml");
+  std::vector<Part> wanted;
+  std::vector<std::string> left_out;
+  for (Part& part : parts) {
+    if (std::find(listed.begin(), listed.end(), part.name) != listed.end()) {
+      wanted.push_back(std::move(part));
+    } else {
+      left_out.push_back(part.name);
+    }
+  }
+  if (wanted.empty()) {
+    return fail(ErrorCode::kUnsupported,
+                fmt::format("expected the parts of one recording (NAME_0{0}, NAME_1{0}, ...), found {1} and {2}",
+                            extension, printable(left_out.front(), 80), printable(left_out.back(), 80)),
+                shown(request.path), "name each bag: kilter check a=PATH b=PATH");
+  }
+  if (!left_out.empty()) {
+    notes.push_back(fmt::format("robot {}: {} {} left out, since metadata.yaml does not list {}", request.name,
+                                some_of(left_out), left_out.size() == 1 ? "is" : "are",
+                                left_out.size() == 1 ? "it" : "them"));
+  }
+  return wanted;
+}
+
+// Which of them is meant is not for kilter to say: they may be one recording converted, or several.
+Expected<void> check_one_format(const fs::path& folder, const std::vector<std::string>& names,
+                                std::string_view extension, const std::string& found) {
+  for (const std::string_view other : {".mcap", ".db3", ".bag"}) {
+    if (other == extension) continue;
+    const auto bag = std::find_if(names.begin(), names.end(), [&](const std::string& name) {
+      return !name.starts_with('.') && has_extension(name, other) && is_file(folder / name);
+    });
+    if (bag == names.end()) continue;
+    return fail(ErrorCode::kUnsupported,
+                fmt::format("expected one recording, found {} and {}", printable(found, 80), printable(*bag, 80)),
+                shown(folder), "name each bag: kilter check a=PATH b=PATH");
+  }
+  return {};
+}
+
+// A folder's parts of one recording, in order. Names come from the folder itself; metadata.yaml is asked only where
+// they are not those of one recording.
+Expected<std::vector<fs::path>> files_of(const SourceRequest& request, std::string_view extension,
+                                         std::vector<std::string>& notes) {
+  const fs::path& path = request.path;
   if (is_file(path)) return std::vector<fs::path>{path};
   const auto names = list_folder(path);
   if (!names) return pass_up(names.error());
@@ -65,14 +135,15 @@ Expected<std::vector<fs::path>> files_of(const fs::path& path, std::string_view 
   for (const std::string& name : *names) {
     if (has_extension(name, extension) && is_file(path / name)) parts.push_back(part_of(name));
   }
+  KILTER_EXPECTS(!parts.empty());
+  if (auto ok = check_one_format(path, *names, extension, parts.front().name); !ok) return pass_up(ok.error());
   std::sort(parts.begin(), parts.end(), [](const Part& a, const Part& b) {
     return std::tie(a.recording, a.number, a.name) < std::tie(b.recording, b.number, b.name);
   });
-  if (parts.size() > 1 && parts.front().recording != parts.back().recording && !is_file(path / "metadata.yaml")) {
-    return fail(ErrorCode::kUnsupported,
-                fmt::format("expected the parts of one recording (NAME_0{0}, NAME_1{0}, ...), found {1} and {2}",
-                            extension, printable(parts.front().name, 80), printable(parts.back().name, 80)),
-                shown(path), "name each bag: kilter check a=PATH b=PATH");
+  if (parts.front().recording != parts.back().recording) {
+    auto wanted = parts_of_one(request, extension, std::move(parts), notes);
+    if (!wanted) return pass_up(wanted.error());
+    parts = *std::move(wanted);
   }
   std::vector<fs::path> files;
   files.reserve(parts.size());
@@ -85,7 +156,7 @@ constexpr std::uint64_t kGlanceBytes = std::uint64_t{4} << 20;
 
 Expected<RobotLog> open_bag_within(UnpackingBudget budget, const SourceRequest& request, std::string_view extension,
                                    OpenReader open, std::vector<std::string>& notes) {
-  const auto paths = files_of(request.path, extension);
+  const auto paths = files_of(request, extension, notes);
   if (!paths) return pass_up(paths.error());
   BagFiles files;
   files.reserve(paths->size());

@@ -22,6 +22,11 @@ std::optional<Pose3> same_in_all(const std::vector<StampedPose>& samples) {
   return agree ? std::optional(first) : std::nullopt;
 }
 
+// Where nothing at all moves, a transform that was sent twice says little of later.
+bool holds_always(const FrameTree::Edge& edge, bool others_move) {
+  return edge.constant && (edge.is_static || others_move);
+}
+
 }  // namespace
 
 bool is_frame(std::string_view frame, std::string_view name) { return frame.substr(frame.rfind('/') + 1) == name; }
@@ -95,11 +100,11 @@ std::optional<FrameTree::Chain> FrameTree::chain_from(const std::string& frame) 
     }
   }
   Chain chain{above[fixed], {}, 0, std::numeric_limits<std::int64_t>::min(), std::numeric_limits<std::int64_t>::max()};
-  for (std::size_t i = 0; i < fixed; ++i) {
-    const Edge& edge = parent_of(above[i])->second;
-    chain.edges.push_back(&edge);
-    if (edge.is_static) continue;
-    const auto poses = edge.over_time->poses();
+  for (std::size_t i = 0; i < fixed; ++i) chain.edges.push_back(&parent_of(above[i])->second);
+  chain.moves = std::any_of(chain.edges.begin(), chain.edges.end(), [](const Edge* edge) { return !edge->constant; });
+  for (const Edge* edge : chain.edges) {
+    if (holds_always(*edge, chain.moves)) continue;
+    const auto poses = edge->over_time->poses();
     chain.samples = std::max(chain.samples, poses.size());
     chain.first_ns = std::max(chain.first_ns, poses.front().stamp_ns);
     chain.last_ns = std::min(chain.last_ns, poses.back().stamp_ns);
@@ -113,8 +118,9 @@ std::optional<Pose3> FrameTree::at(const Chain& chain, std::int64_t stamp_ns, st
   for (const Edge* edge : chain.edges) {
     const std::int64_t older_ns = edge->is_correction ? kMaxCorrectionGap_ns : 0;
     const std::optional<Pose3> T_parent_child =
-        edge->is_static ? edge->samples.back().T_world_body
-                        : edge->over_time->at(stamp_ns, std::max(max_gap_ns, older_ns), std::max(slack_ns, older_ns));
+        holds_always(*edge, chain.moves)
+            ? edge->constant
+            : edge->over_time->at(stamp_ns, std::max(max_gap_ns, older_ns), std::max(slack_ns, older_ns));
     if (!T_parent_child) return std::nullopt;
     T_frame_start = *T_parent_child * T_frame_start;
   }

@@ -72,6 +72,33 @@ TEST(FrameTree, WhatIsSentOverAndOverTheSameIsAsGoodAsStatic) {
   EXPECT_EQ(tree.chain_from("lidar")->fixed_frame, "odom");
 }
 
+TEST(FrameTree, HoldsWhatNeverChangesAtAnyTimeHoweverSeldomItWasSent) {
+  FrameTree tree;
+  for (int i = 0; i < 21; ++i) {
+    tree.add(transform(kSecond * i / 10, "odom", "base", Pose3::from_translation(i, 0, 0)), false);
+    if (i % 10 == 5) tree.add(transform(kSecond * i / 10, "base", "lidar", Pose3::from_translation(0, 0, 2)), false);
+  }
+  tree.finish();
+  const auto chain = tree.chain_from("lidar");
+  ASSERT_TRUE(chain);
+  EXPECT_EQ(chain->samples, 21U);
+  EXPECT_EQ(chain->first_ns, 0);
+  EXPECT_EQ(chain->last_ns, 2 * kSecond);
+  const auto T_odom_lidar = tree.at(*chain, kSecond, kSecond / 4, 0);
+  ASSERT_TRUE(T_odom_lidar);
+  EXPECT_TRUE(T_odom_lidar->translation_m().isApprox(Eigen::Vector3d(10, 0, 2), 1e-12));
+}
+
+TEST(FrameTree, WhatStandsStillAltogetherHoldsAsLongAsItWasSent) {
+  FrameTree tree;
+  for (int i = 0; i < 2; ++i) tree.add(transform(kSecond * i, "odom", "base", Pose3()), false);
+  tree.finish();
+  const auto chain = tree.chain_from("base");
+  ASSERT_TRUE(chain);
+  EXPECT_TRUE(tree.at(*chain, kSecond, kSecond, 0));
+  EXPECT_FALSE(tree.at(*chain, 5 * kSecond, kSecond, 0));
+}
+
 TEST(FrameTree, KnowsNoWayWhereNothingMoves) {
   FrameTree tree;
   tree.add(transform(0, "base", "lidar", Pose3()), true);

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <utility>
 
 #include "kilter/base/contract.h"
 #include "kilter/io/byte_cursor.h"
@@ -82,8 +83,10 @@ Expected<void> pair_by_number(RobotLog& log, const fs::path& folder, std::span<c
   std::vector<std::string> sorted(names.begin(), names.end());
   sort_by_number(sorted);
   std::vector<fs::path> paths;
-  for (const std::string& name : sorted) {
-    const std::optional<std::uint64_t> id = number_of_file(name);
+  const auto numbers = numbers_of_files(sorted);
+  for (std::size_t i = 0; i < sorted.size(); ++i) {
+    const std::string& name = sorted[i];
+    const std::optional<std::uint64_t> id = numbers ? (*numbers)[i] : number_of_file(name);
     if (!id) return refuse_name(folder / name, origin);
     const NumberedPose* pose = find_pose(poses, *id);
     if (pose == nullptr) continue;
@@ -107,10 +110,12 @@ Expected<void> pair_by_number(RobotLog& log, const fs::path& folder, std::span<c
 }
 
 void sort_by_number(std::vector<std::string>& names) {
-  const bool all = std::all_of(names.begin(), names.end(), [](const auto& name) { return number_of_file(name); });
-  if (!all) return;
-  std::stable_sort(names.begin(), names.end(),
-                   [](const auto& a, const auto& b) { return number_of_file(a) < number_of_file(b); });
+  const auto numbers = numbers_of_files(names);
+  if (!numbers) return;
+  std::vector<std::pair<std::uint64_t, std::string>> numbered;
+  for (std::size_t i = 0; i < names.size(); ++i) numbered.emplace_back((*numbers)[i], std::move(names[i]));
+  std::stable_sort(numbered.begin(), numbered.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::transform(numbered.begin(), numbered.end(), names.begin(), [](auto& one) { return std::move(one.second); });
 }
 
 std::vector<NumberedPose> number_from_zero(std::span<const Pose3> poses) {
@@ -134,6 +139,19 @@ Stamps read_stamps_if_any(const fs::path& file, std::size_t count, const std::st
   const StampUnit unit = guess_unit(*stamps);
   auto stamps_ns = to_nanoseconds(*stamps, unit);
   return stamps_ns ? Stamps{*std::move(stamps_ns), symbol_of(unit)} : Stamps{};
+}
+
+Expected<void> check_names(std::span<const std::string> clouds, const PoseTable& poses, const fs::path& pose_file) {
+  for (std::size_t i = 0; i < poses.files.size(); ++i) {
+    const std::string& named = poses.files[i];
+    if (named == clouds[i] || named == clouds[i].substr(0, clouds[i].rfind('.'))) continue;
+    return fail(ErrorCode::kCountMismatch,
+                fmt::format("pose {} (the first being 0) names {}, but cloud {} is {}", i, printable(named, 80), i,
+                            printable(clouds[i], 80)),
+                shown(pose_file),
+                "order its lines as the clouds' names sort bytewise, or leave the column of names out");
+  }
+  return {};
 }
 
 void take_stamps(RobotLog& log, const PoseTable& poses) {

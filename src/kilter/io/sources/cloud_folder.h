@@ -47,8 +47,14 @@ struct Stamps {
                                             const Stamps& stamps, const PoseOrigin& origin,
                                             std::vector<std::string>& notes);
 
-/// Sorts names that are all numbers by them, so that 2.pcd comes before 10.pcd; leaves others as they are.
+/// Sorts names that differ in one number by it, so that scan_2.pcd comes before scan_10.pcd; leaves others as they are.
 void sort_by_number(std::vector<std::string>& names);
+
+/// Where clouds and poses pair in order: that a column of names does not contradict it.
+/// \param clouds  names of the files, as many as poses
+/// \return  nothing; or kCountMismatch with the first that does
+[[nodiscard]] Expected<void> check_names(std::span<const std::string> clouds, const PoseTable& poses,
+                                         const std::filesystem::path& pose_file);
 
 /// Poses numbered from 0 in their order.
 [[nodiscard]] std::vector<NumberedPose> number_from_zero(std::span<const Pose3> poses);

@@ -138,7 +138,7 @@ tl::unexpected<Error> refuse_neighbour(Error error) {
 
 struct RobotsInside {
   std::vector<Inside> robots;
-  std::vector<std::string> left_out;  // names of folders of other kinds than theirs
+  std::vector<std::string> left_out;  // names of folders of other kinds than theirs, and of bags
 };
 
 // Robot folders among a folder's folders; if there are none, folders of any other kind.
@@ -148,15 +148,18 @@ Expected<RobotsInside> robots_inside(const fs::path& folder) {
   std::vector<fs::path> own;
   std::vector<fs::path> other;
   std::vector<fs::path> none;
+  std::vector<std::string> left_out;
   for (const std::string& name : *names) {
     if (is_of_no_robot(name)) continue;
     const auto type = type_at(folder / name);
     if (!type) return refuse_neighbour(type.error());
-    if (*type != fs::file_type::directory) continue;
     const SourceKind* kind = recognise(folder / name);
+    if (*type != fs::file_type::directory) {
+      if (kind != nullptr && kind->has_topics) left_out.push_back(name);
+      continue;
+    }
     (kind == nullptr ? none : kind->open == open_robot_folder ? own : other).push_back(folder / name);
   }
-  std::vector<std::string> left_out;
   if (!own.empty()) {
     none.insert(none.end(), other.begin(), other.end());
     for (const fs::path& path : other) left_out.push_back(path.filename().string());

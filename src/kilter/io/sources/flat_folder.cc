@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <iterator>
 #include <optional>
 
 #include "kilter/io/cloud_file.h"
@@ -42,14 +43,16 @@ bool may_hold_poses(const std::string& name) {
 // wrong with them.
 std::vector<std::string> find_pose_lists(const fs::path& folder, const std::vector<std::string>& names) {
   constexpr std::size_t kMostLookedAt = 32;  // a text file for each cloud is no list of poses
+  std::vector<std::string> candidates;
+  std::copy_if(names.begin(), names.end(), std::back_inserter(candidates),
+               [&](const std::string& name) { return may_hold_poses(name) && is_file(folder / name); });
+  const auto unnamed = std::stable_partition(candidates.begin(), candidates.end(), is_named_like_poses);
+  const std::vector<std::string> named(candidates.begin(), unnamed);
+  candidates.resize(std::min(candidates.size(), kMostLookedAt));
+  std::sort(candidates.begin(), candidates.end());
   std::vector<std::string> found;
-  std::vector<std::string> named;
-  std::size_t looked_at = 0;
-  for (const std::string& name : names) {
-    if (!may_hold_poses(name) || !is_file(folder / name) || looked_at++ == kMostLookedAt) continue;
-    if (guess_pose_layout(first_bytes(folder / name))) found.push_back(name);
-    if (is_named_like_poses(name)) named.push_back(name);
-  }
+  std::copy_if(candidates.begin(), candidates.end(), std::back_inserter(found),
+               [&](const std::string& name) { return guess_pose_layout(first_bytes(folder / name)).has_value(); });
   return found.empty() ? named : found;
 }
 

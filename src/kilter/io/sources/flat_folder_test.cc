@@ -69,6 +69,15 @@ TEST(FlatFolder, SortsNumbersByThemselves) {
   expect_in_order(only_robot(open_source(folder.path() / "f"), kKind), 11);
 }
 
+TEST(FlatFolder, SortsNumbersBehindAndBeforeWordsToo) {
+  for (const auto& [before, behind] : {std::pair("scan_", ""), std::pair("scan", "_points"), std::pair("", "_map2")}) {
+    const TempFolder folder;
+    for (int i = 0; i < 11; ++i) folder.write(fmt::format("f/{}{}{}.pcd", before, i + 5, behind), cloud_number(i));
+    folder.write("f/poses.tum", tum(11));
+    expect_in_order(only_robot(open_source(folder.path() / "f"), kKind), 11);
+  }
+}
+
 TEST(FlatFolder, MatchesStampsAcrossUnitsAndTellsHowMany) {
   const TempFolder folder;
   folder.write("f/traj.txt", tum(4, 1403636579));
@@ -125,6 +134,45 @@ TEST(FlatFolder, MatchesNumbersWhereCountsDiffer) {
   fs::remove(folder.path() / "f/poses.tum");
   folder.write("f/graph.g2o", g2o_vertex(3, pose_number(3)));
   EXPECT_LT(difference(only_robot(open_source(folder.path() / "f"), kKind).T_world_cloud.at(0), pose_number(3)), 1e-9);
+}
+
+TEST(FlatFolder, MatchesIdsWhereOtherCloudsThanVerticesAreMissing) {
+  const TempFolder folder;
+  write_clouds(folder, 6);
+  fs::remove(folder.path() / "f/000001.pcd");
+  std::string graph;
+  for (const int id : {0, 1, 2, 3, 5}) graph += g2o_vertex(id, pose_number(id));
+  folder.write("f/graph.g2o", graph);
+  const auto mission = open_source(folder.path() / "f");
+  const RobotLog log = only_robot(mission, kKind);
+  ASSERT_EQ(log.T_world_cloud.size(), 4U) << notes_of(mission);
+  EXPECT_LT(difference(log.T_world_cloud[1], pose_number(2)), 1e-9);
+  EXPECT_EQ(first_point(log, 1).x(), 3.0F);
+  EXPECT_NE(notes_of(mission).find("poses matched 4 of 5 clouds by number"), std::string::npos) << notes_of(mission);
+}
+
+TEST(FlatFolder, FindsItsListAmongAnyNumberOfTextFiles) {
+  const TempFolder folder;
+  write_clouds(folder, 2);
+  folder.write("f/poses.txt", tum(2));
+  for (int i = 0; i < 40; ++i) {
+    folder.write(fmt::format("f/a{:02}.txt", i), "labels\n");
+    EXPECT_TRUE(is_flat_folder(folder.path() / "f")) << i;
+  }
+}
+
+TEST(FlatFolder, HoldsPosesThatAreGivenForItAgainstItsNames) {
+  const TempFolder folder;
+  write_clouds(folder, 2);
+  folder.write("f/poses.tum", tum(2));
+  const std::string heading = "x y z qx qy qz qw file\n";
+  const auto with_poses = [&](const std::string& rows) {
+    folder.write("new/f/poses.txt", heading + rows);
+    return open_mission({(folder.path() / "f").string()}, {.poses_folder = folder.path() / "new", .T_body_sensor = {}});
+  };
+  EXPECT_TRUE(with_poses("7 0 0 0 0 0 1 000000.pcd\n8 0 0 0 0 0 1 000001.pcd\n"));
+  expect_source_error(with_poses("8 0 0 0 0 0 1 000001.pcd\n7 0 0 0 0 0 1 000000.pcd\n"), ErrorCode::kCountMismatch,
+                      "pose 0 (the first being 0) names 000001.pcd, but cloud 0 is 000000.pcd");
 }
 
 TEST(FlatFolder, GoesByNamesOfFilesWhereATableHasThem) {

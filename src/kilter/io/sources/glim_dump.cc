@@ -69,7 +69,11 @@ void read_from_points_files(RobotLog& log, std::vector<PointsFile> points) {
   log.peek_cloud = [files](std::size_t i) {
     KILTER_EXPECTS(i < files->size());
     std::optional<CloudPeek> peek = peek_cloud_file((*files)[i].path);
-    if (peek) peek->points = peek->bytes / record_bytes((*files)[i].compact);
+    if (peek) {
+      const std::size_t record = record_bytes((*files)[i].compact);
+      peek->points = peek->bytes / record;
+      peek->is_cut_short = peek->bytes == 0 || peek->bytes % record != 0;
+    }
     return peek;
   };
   log.cloud_name = [files](std::size_t i) {

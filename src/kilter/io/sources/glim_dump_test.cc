@@ -58,6 +58,7 @@ TEST(GlimDump, ReadsSubmapsAsTheyAre) {
   EXPECT_TRUE(log.finished_submaps);
   EXPECT_EQ(log.name, "dump");
   EXPECT_EQ(log.peek_cloud(2)->points, 2U);
+  EXPECT_FALSE(log.peek_cloud(2)->is_cut_short);
   EXPECT_EQ(log.stamps_ns, (std::vector<std::int64_t>{500'000'000, 100'500'000'000, 200'500'000'000}));
   EXPECT_EQ(log.clouds_found, 3U);
   EXPECT_EQ(log.poses_found, 3U);
@@ -122,6 +123,7 @@ TEST(GlimDump, SaysWhichFileIsWrongAndWhere) {
   fs::remove(dump / "000001/points_compact.bin");
   expect_source_error(open_source(dump), ErrorCode::kNotFound, "expected points_compact.bin (or points.bin)");
   folder.write("dump/000001/points_compact.bin", "thirteen byte");
+  EXPECT_TRUE(only_robot(open_source(dump), "GLIM dump").peek_cloud(1)->is_cut_short);
   const auto cloud = only_robot(open_source(dump), "GLIM dump").read_cloud(1);
   ASSERT_FALSE(cloud);
   EXPECT_EQ(cloud.error().code, ErrorCode::kTruncated);

@@ -47,6 +47,26 @@ std::optional<std::vector<StampText>> stamps_of(const std::vector<std::string>& 
   return stamps;
 }
 
+// The numbers that names count by.
+std::optional<std::vector<StampText>> counts_of(const std::vector<std::string>& names) {
+  std::vector<std::uint64_t> numbers;
+  if (names.size() == 1) {
+    const auto number = number_of_file(names.front());
+    if (!number) return std::nullopt;
+    numbers = {*number};
+  } else if (auto several = numbers_of_files(names)) {
+    numbers = *std::move(several);
+  } else {
+    return std::nullopt;
+  }
+  std::vector<StampText> counts;
+  for (const std::uint64_t number : numbers) {
+    if (number > static_cast<std::uint64_t>(INT64_MAX)) return std::nullopt;
+    counts.push_back({static_cast<std::int64_t>(number), 0, false});
+  }
+  return counts;
+}
+
 void pair_in_order(const Pairing& pairing) {
   std::vector<fs::path> paths;
   for (std::size_t i = 0; i < pairing.names.size(); ++i) {
@@ -138,6 +158,7 @@ bool match_stamps(const Pairing& pairing, const StampSides& sides, bool exactly)
     pairing.log.stamps_ns.push_back(cloud.stamp_ns);
   }
   pairing.log.stamp_unit = symbol_of(sides.cloud_unit);
+  pairing.log.poses_are_a_trajectory = !exactly;
   if (paths.empty()) return false;
   read_from_files(pairing.log, std::move(paths));
   return true;
@@ -151,17 +172,30 @@ StampSides sides_of(const Pairing& pairing, std::vector<StampText> clouds) {
   return sides;
 }
 
-// Counts differ, and the names are no stamps: numbers that both sides have.
-Expected<void> pair_by_count(const Pairing& pairing, const std::optional<std::vector<StampText>>& numbers,
-                             std::vector<std::string>& notes) {
-  if (numbers && !pairing.poses.ids.empty()) {
-    std::vector<NumberedPose> vertices;
-    for (std::size_t i = 0; i < pairing.poses.ids.size(); ++i) {
-      vertices.push_back({pairing.poses.ids[i], pairing.poses.T_world_cloud[i]});
-    }
-    return pair_by_number(pairing.log, pairing.folder, pairing.names, vertices, {}, {pairing.pose_file, "vertex"},
-                          notes);
+Expected<void> pair_by_vertex(const Pairing& pairing, std::vector<std::string>& notes) {
+  std::vector<NumberedPose> vertices;
+  for (std::size_t i = 0; i < pairing.poses.ids.size(); ++i) {
+    vertices.push_back({pairing.poses.ids[i], pairing.poses.T_world_cloud[i]});
   }
+  return pair_by_number(pairing.log, pairing.folder, pairing.names, vertices, {}, {pairing.pose_file, "vertex"}, notes);
+}
+
+// Whether numbers of as many clouds and vertices are for the most part the same and not all: a cloud is missing in one
+// place and a vertex in another, and in order all between would go with the wrong one.
+bool are_numbered_alike(const Pairing& pairing) {
+  const auto numbers = numbers_of_files(pairing.names);
+  if (!numbers || pairing.poses.ids.empty()) return false;
+  std::size_t met = 0;
+  for (const std::uint64_t number : *numbers) {
+    met += std::binary_search(pairing.poses.ids.begin(), pairing.poses.ids.end(), number) ? 1 : 0;
+  }
+  return met < numbers->size() && 2 * met > numbers->size();
+}
+
+// Counts differ, and the names are no stamps: numbers that both sides have.
+Expected<void> pair_by_count(const Pairing& pairing, std::vector<std::string>& notes) {
+  const std::optional<std::vector<StampText>> numbers = counts_of(pairing.names);
+  if (numbers && !pairing.poses.ids.empty()) return pair_by_vertex(pairing, notes);
   if (numbers && !pairing.poses.stamps.empty()) {
     const StampSides sides = sides_of(pairing, *numbers);
     const bool both_count = std::all_of(pairing.poses.stamps.begin(), pairing.poses.stamps.end(),
@@ -198,7 +232,8 @@ Expected<void> pair_clouds(RobotLog& log, const fs::path& folder, const std::vec
                     log.name, range_of(sides.clouds, sides.cloud_unit), shown(pose_file.filename()),
                     range_of(poses.stamps, sides.pose_unit)));
   }
-  if (!as_many) return pair_by_count(pairing, numbers, notes);
+  if (!as_many) return pair_by_count(pairing, notes);
+  if (are_numbered_alike(pairing)) return pair_by_vertex(pairing, notes);
   pair_in_order(pairing);
   return {};
 }

@@ -67,10 +67,9 @@ Expected<CloudList> list_clouds(const fs::path& folder, bool finished_submaps) {
 
 // Names like 1, 2, 10 sort bytewise as 1, 10, 2, which is what counts here but seldom what was meant.
 std::optional<std::size_t> find_misorder(const std::vector<std::string>& files) {
-  for (std::size_t i = 1; i < files.size(); ++i) {
-    const auto before = number_of_file(files[i - 1]);
-    const auto here = number_of_file(files[i]);
-    if (before && here && *here < *before) return i;
+  const auto numbers = numbers_of_files(files);
+  for (std::size_t i = 1; numbers && i < files.size(); ++i) {
+    if ((*numbers)[i] < (*numbers)[i - 1]) return i;
   }
   return std::nullopt;
 }
@@ -89,20 +88,6 @@ void note_oddities(const CloudList& list, const std::string& robot, const std::s
                     "is not the order of the poses",
                     robot, printable(list.files[*i - 1], 80), printable(list.files[*i], 80)));
   }
-}
-
-// Clouds and poses pair in order, which a column of names must not contradict.
-Expected<void> check_names(const std::vector<std::string>& clouds, const PoseList& poses, const fs::path& pose_file) {
-  for (std::size_t i = 0; i < poses.files.size(); ++i) {
-    const std::string& named = poses.files[i];
-    if (named == clouds[i] || named == clouds[i].substr(0, clouds[i].rfind('.'))) continue;
-    return fail(ErrorCode::kCountMismatch,
-                fmt::format("pose {} (the first being 0) names {}, but cloud {} is {}", i, printable(named, 80), i,
-                            printable(clouds[i], 80)),
-                shown(pose_file),
-                "order its lines as the clouds' names sort bytewise, or leave the column of names out");
-  }
-  return {};
 }
 
 }  // namespace
