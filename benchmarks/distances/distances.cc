@@ -182,13 +182,15 @@ std::optional<std::string> compare(const std::string& name, const Side& source, 
   return floor_row(name, source, target, T_target_source, median(times[kExactMethods].warm) / points * 1e9);
 }
 
-// The limit where nothing is within it. [m]
-double mean_distance_m(const Side& source, const Side& target, const Pose3& T_target_source) {
+// Prints the mean distance [m], the limit where nothing is within it, of how many points, and how long the search took,
+// building included [s].
+void print_mean(const Side& source, const Side& target, const Pose3& T_target_source) {
   std::vector<float> distances_m(source.points_m.size());
-  all_together(source, target).run(std::vector<Pose3>{T_target_source}, distances_m, true);
+  const Method method = all_together(source, target);
+  const double search_s = seconds([&] { method.run(std::vector<Pose3>{T_target_source}, distances_m, true); });
   double sum_m = 0.0;
   for (const float distance_m : distances_m) sum_m += distance_m == kNone ? kLimit_m : double{distance_m};
-  return sum_m / static_cast<double>(distances_m.size());
+  fmt::print("{:.9f} {} {:.6f}\n", sum_m / static_cast<double>(distances_m.size()), distances_m.size(), search_s);
 }
 
 int run(const std::vector<std::string>& words) {
@@ -207,7 +209,7 @@ int run(const std::vector<std::string>& words) {
   if (!T_world_submap || T_world_submap->size() < 2) return 2;
   const Pose3 T_target_source = (*T_world_submap)[0].inverse() * (*T_world_submap)[1];
   if (mean_only) {
-    fmt::print("{:.9f} {}\n", mean_distance_m(source, target, T_target_source), source.points_m.size());
+    print_mean(source, target, T_target_source);
     return 0;
   }
   const auto row = compare(words[1], source, target, T_target_source);
