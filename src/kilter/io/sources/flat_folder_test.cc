@@ -96,6 +96,18 @@ TEST(FlatFolder, MatchesStampsAcrossUnitsAndTellsHowMany) {
             "robot f: poses matched 4 of 6 clouds by stamp (names in ns, poses in s); the other 2 are left out\n");
 }
 
+TEST(FlatFolder, TellsOfPosesThatShareAStamp) {
+  const TempFolder folder;
+  std::string rounded;
+  for (int i = 0; i < 4; ++i) rounded += fmt::format("170000000{} {}\n", i / 2, tum_columns(pose_number(i)));
+  folder.write("f/poses.tum", rounded);
+  for (int i = 0; i < 2; ++i) folder.write(fmt::format("f/170000000{}.0.pcd", i), cloud_number(i));
+  const auto mission = open_source(folder.path() / "f");
+  EXPECT_EQ(only_robot(mission, kKind).T_world_cloud.size(), 2U);
+  EXPECT_NE(notes_of(mission).find("2 of 4 poses have the stamp of one before and are left out"), std::string::npos)
+      << notes_of(mission);
+}
+
 TEST(FlatFolder, OrdersCloudsByTime) {
   const TempFolder folder;
   folder.write("f/poses.tum", tum(20, 9));

@@ -141,7 +141,7 @@ std::vector<TimedCloud> in_order_of_time(const std::vector<std::int64_t>& stamps
 
 // \param exactly  stamps must be equal: both sides only count
 // \return whether any cloud found its pose
-bool match_stamps(const Pairing& pairing, const StampSides& sides, bool exactly) {
+bool match_stamps(const Pairing& pairing, const StampSides& sides, bool exactly, std::vector<std::string>& notes) {
   const auto cloud_ns = to_nanoseconds(sides.clouds, sides.cloud_unit);
   const auto pose_ns = to_nanoseconds(pairing.poses.stamps, sides.pose_unit);
   if (!cloud_ns || !pose_ns) return false;
@@ -161,6 +161,12 @@ bool match_stamps(const Pairing& pairing, const StampSides& sides, bool exactly)
   pairing.log.poses_are_a_trajectory = !exactly;
   if (paths.empty()) return false;
   read_from_files(pairing.log, std::move(paths));
+  if (const std::size_t twice = pose_ns->size() - trajectory.poses().size(); twice > 0) {
+    notes.push_back(
+        fmt::format("robot {}: {} of {} poses have the stamp of one before and are left out; stamps that were "
+                    "written with too few digits look so",
+                    pairing.log.name, twice, pose_ns->size()));
+  }
   return true;
 }
 
@@ -200,7 +206,7 @@ Expected<void> pair_by_count(const Pairing& pairing, std::vector<std::string>& n
     const StampSides sides = sides_of(pairing, *numbers);
     const bool both_count = std::all_of(pairing.poses.stamps.begin(), pairing.poses.stamps.end(),
                                         [](const StampText& stamp) { return stamp.billionths == 0; });
-    if (both_count && match_stamps(pairing, sides, true)) {
+    if (both_count && match_stamps(pairing, sides, true, notes)) {
       notes.push_back(matched_note(pairing.log, "number, which the poses have in place of stamps"));
       return {};
     }
@@ -220,7 +226,7 @@ Expected<void> pair_clouds(RobotLog& log, const fs::path& folder, const std::vec
   const std::optional<std::vector<StampText>> numbers = stamps_of(names);
   if (numbers && look_like_stamps(*numbers) && !poses.stamps.empty()) {
     const StampSides sides = sides_of(pairing, *numbers);
-    if (match_stamps(pairing, sides, false)) {
+    if (match_stamps(pairing, sides, false, notes)) {
       notes.push_back(matched_note(log, fmt::format("stamp (names in {}, poses in {})", symbol_of(sides.cloud_unit),
                                                     symbol_of(sides.pose_unit))));
       return {};
