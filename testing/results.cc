@@ -68,7 +68,7 @@ PairResult& add_measured_pair(Result& result, int source, int target) {
   PairVerdict& verdict = pair.verdict;
   verdict.verdict = Verdict::kConsistent;
   verdict.reason = "offset stays below the tolerance";
-  verdict.evidence["offset"] = {0.02, 0.01, -4.5};
+  verdict.evidence["displacement"] = {0.02, 0.01, -4.5};
   verdict.evidence["conflict"] = {0.001, std::nullopt, std::nullopt};
   verdict.offset_m = 0.02;
   verdict.offset_interval_m = {{0.01, 0.03}};

@@ -9,6 +9,7 @@ import csv
 import json
 import os
 import pty
+import re
 import shutil
 import signal
 import struct
@@ -130,6 +131,15 @@ class Files(CheckCase):
                      for row in rows for target, cell in zip(ids, row[1:], strict=True) if cell}
             pairs = {(pair["target"], pair["source"]): pair[key] for pair in self.result["pairs"] if pair[key] is not None}
             self.assertEqual(cells, pairs)
+
+    def test_pairs_csv_has_a_column_for_every_piece_of_evidence_in_the_documents(self):
+        with open(self.out / "pairs.csv", newline="", encoding="utf-8") as file:
+            columns = next(csv.reader(file))
+        text = (SOURCE_DIR / "docs" / "verdicts.md").read_text(encoding="utf-8").split("## Evidence of a pair")[1]
+        named = re.findall(r"^\| `(\w+)` \|", text.split("\n## ")[0], re.MULTILINE)
+        self.assertEqual([c for c in columns if c.startswith("evidence_") and not c.endswith("_log_ratio")],
+                         [f"evidence_{name}" for name in sorted(named)])
+        self.assertLessEqual(set().union(*(pair["evidence"] for pair in read_result(self.out)["pairs"])), set(named))
 
     def test_pairs_csv_has_a_row_for_every_pair(self):
         with open(self.out / "pairs.csv", newline="", encoding="utf-8") as file:

@@ -105,6 +105,7 @@ ARGUMENTS = {
     "a sensor beyond the Moon": (["--set", "T_body_sensor=1e19 0 0 0 0 0 1"], 2, "config", "beyond 1e+08 m"),
     "nothing is ever occupied": (["--set", "clamping_max=0.5", "--set", "occupancy_threshold=0.99"], 2, "config",
                                  "occupancy_threshold"),
+    "a reach of thousands of voxels": (["--set", "d=100", "--set", "resolution=0.05"], 2, "config", "d: expected"),
     "nothing is ever free": (["--set", "clamping_min=0.5"], 2, "config", "occupancy_threshold"),
     "no range at all": (["--set", "min_range=50", "--set", "max_range=10"], 2, "config", "min_range"),
     "a sensor of six numbers": (["--set", "T_body_sensor=0 0 0 0 0 1"], 2, "config", "6 numbers"),

@@ -116,12 +116,18 @@ constexpr std::array kFindings = {
           "`p_value`: how often chance would show as much where the disagreement is at most the tolerance. Pairs are "
           "called inconsistent by it, with false discoveries held to `alpha`; it is no probability of being wrong."},
     Topic{"log-odds", "`log_odds`: ln(p / (1 - p)) of `p_inconsistent`, which does not saturate."},
-    Topic{"gamma",
-          "The paper's Eq. (15): 1 / (mean x variance) of the distances between matched voxels, at the map's poses. "
-          "Large means consistent. `gamma_literal` is without floors. A parallel offset can score as well as a good "
-          "pair, so it is never a verdict by itself."},
-    Topic{"theta", "Gamma after the pair was registered: as good as it gets for these two submaps."},
-    Topic{"verified", "The paper's Theta - Gamma: what registration gained. Large means inconsistent."},
+    Topic{
+        "gamma",
+        "The paper's Eq. (15): 1 / (mean x variance) of the distances between matched voxels, at the map's poses. "
+        "Large means consistent. `gamma_literal` is without floors. A parallel offset can score as well as a good "
+        "pair, so it is never a verdict by itself. null where fewer than `overlap_min` of the voxels or `matched_min` "
+        "of them met, or their distances are no distribution: the paper asks for an overlap first."},
+    Topic{"theta",
+          "Gamma after the pair was registered: as good as it gets for these two submaps. null where registration "
+          "failed, or where at its pose the two overlap too little for Gamma."},
+    Topic{
+        "verified",
+        "The paper's Theta - Gamma: what registration gained. Large means inconsistent. null where one of the two is."},
 };
 
 std::vector<Topic> topics() {

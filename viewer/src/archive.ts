@@ -74,7 +74,7 @@ export interface Result {
     unverified: number;
     candidates: number;
     too_little_overlap: number;
-    decided: { sequential: number | null; local: number | null; global: Record<string, number> };
+    decided: { sequential: number | null; local: number | null; global: Record<string, number | null> };
   };
 }
 

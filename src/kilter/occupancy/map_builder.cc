@@ -222,6 +222,8 @@ VoxelMap MapBuilder::finish() {
   voxels.log_odds = std::move(finished.log_odds);
   hits_ = HitSums(options_.resolution_m);
   VoxelMap map(options_.resolution_m, has_free_space_, std::move(finished.blocks), std::move(voxels));
+  origins_m_.clear();
+  has_free_space_ = false;
   return with_surface_normals(map);
 }
 

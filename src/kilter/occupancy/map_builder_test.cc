@@ -104,6 +104,15 @@ TEST(MapBuilder, PointsAloneLeaveEverythingElseUnknown) {
   EXPECT_EQ(map.state({5, 0, 0}), CellState::kUnknown);
 }
 
+TEST(MapBuilder, BeginsAnewOnceFinished) {
+  MapBuilder builder({.resolution_m = 0.1});
+  const std::vector<Eigen::Vector3f> scan_m = {{1.0F, 0.0F, 0.0F}, {0.0F, 1.0F, 0.0F}};
+  for (int i = 0; i < 3; ++i) ASSERT_TRUE(builder.insert_scan(scan_m, Pose3(), {}));
+  EXPECT_TRUE(builder.finish().has_free_space());
+  ASSERT_TRUE(builder.insert_points(scan_m, Pose3(), {}));
+  EXPECT_FALSE(builder.finish().has_free_space()) << "of points alone nothing is known to be free";
+}
+
 TEST(MapBuilder, IgnoresWhatLiesOffTheLattice) {
   MapBuilder builder({.resolution_m = 0.1, .min_range_m = 0.0});
   const double nan = std::numeric_limits<double>::quiet_NaN();

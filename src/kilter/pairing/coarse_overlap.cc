@@ -3,9 +3,11 @@
 #include "kilter/pairing/coarse_overlap.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace kilter {
+
 CoarseMap::CoarseMap(const VoxelMap& map, std::size_t max_cells)
     : bounds_m_(map.bounds_m()), resolution_m_(map.resolution_m()) {
   std::vector<const VoxelBlock*> filled;
@@ -64,14 +66,29 @@ CoarseOverlap coarse_overlap(const CoarseMap& source, const CoarseMap& target, c
   return result;
 }
 
+namespace {
+
+// Two horizontal axes of a frame: its own x and y where it stands level enough that a shift by the whole reach leaves
+// the height by less than half a block, which is as good as seen (a sensor that is mounted on its side does not).
+std::array<Eigen::Vector3d, 2> horizontal_axes(const Eigen::Vector3d& up, double reach_m, double block_m) {
+  const double rise = up.head<2>().norm();  // the sine of how far x and y lead up
+  if (up.z() > 0.0 && rise * reach_m < 0.5 * block_m) return {Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitY()};
+  const Eigen::Vector3d beside = std::abs(up.x()) < 0.7 ? Eigen::Vector3d::UnitX() : Eigen::Vector3d::UnitY();
+  const Eigen::Vector3d first = (beside - beside.dot(up) * up).normalized();
+  return {first, up.cross(first)};
+}
+
+}  // namespace
+
 CoarseOverlap best_coarse_overlap(const CoarseMap& source, const CoarseMap& target, const Pose3& T_target_source,
-                                  double reach_m) {
+                                  double reach_m, const Eigen::Vector3d& up_target) {
   CoarseOverlap best = coarse_overlap(source, target, T_target_source, Eigen::Vector3d::Zero());
   const double step_m = 2.0 * target.block_m();
   const int steps = static_cast<int>(std::floor(reach_m / step_m));
+  const auto [across, along] = horizontal_axes(up_target, reach_m, target.block_m());
   for (int y = -steps; y <= steps; ++y) {
     for (int x = -steps; x <= steps; ++x) {
-      const Eigen::Vector3d shift_m(step_m * x, step_m * y, 0.0);
+      const Eigen::Vector3d shift_m = step_m * x * across + step_m * y * along;
       if (shift_m.norm() > reach_m || (x == 0 && y == 0)) continue;
       const CoarseOverlap here = coarse_overlap(source, target, T_target_source, shift_m);
       const bool better = here.matched > best.matched;

@@ -54,8 +54,10 @@ struct CoarseOverlap {
                                            const Pose3& T_target_source, const Eigen::Vector3d& shift_m);
 
 /// The best of all shifts on a horizontal grid (two blocks apart) within `reach_m`, the unshifted pose first; ties go
-/// to the smaller shift. "Horizontal" is the target's x-y plane.
+/// to the smaller shift.
+/// \param up_target  the world's vertical in the target's frame, of length 1
 [[nodiscard]] CoarseOverlap best_coarse_overlap(const CoarseMap& source, const CoarseMap& target,
-                                                const Pose3& T_target_source, double reach_m);
+                                                const Pose3& T_target_source, double reach_m,
+                                                const Eigen::Vector3d& up_target);
 
 }  // namespace kilter

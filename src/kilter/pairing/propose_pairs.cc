@@ -103,11 +103,14 @@ std::vector<CandidatePair> propose_pairs(std::span<const SubmapNode> nodes, std:
     const auto source = static_cast<std::size_t>(pair.id.source.value);
     const auto target = static_cast<std::size_t>(pair.id.target.value);
     const Pose3 T_target_source = nodes[target].T_world_submap.inverse() * nodes[source].T_world_submap;
+    const auto up_in = [&](std::size_t submap) -> Eigen::Vector3d {
+      return nodes[submap].T_world_submap.rotation().conjugate() * Eigen::Vector3d::UnitZ();
+    };
     const CoarseOverlap forward =
-        best_coarse_overlap(maps[source], maps[target], T_target_source, pair.drift_allowance_m);
+        best_coarse_overlap(maps[source], maps[target], T_target_source, pair.drift_allowance_m, up_in(target));
     // The other way round too: which of the two comes first must not decide whether a pair is looked at.
-    const CoarseOverlap backward =
-        best_coarse_overlap(maps[target], maps[source], T_target_source.inverse(), pair.drift_allowance_m);
+    const CoarseOverlap backward = best_coarse_overlap(maps[target], maps[source], T_target_source.inverse(),
+                                                       pair.drift_allowance_m, up_in(source));
     const bool back = backward.overlap > forward.overlap;
     pair.predicted_overlap = back ? backward.overlap : forward.overlap;
     // To move the target one way in the source's frame is to move the source the other way.

@@ -138,13 +138,43 @@ TEST(ProposePairs, TheShiftIsTheOneWhoseOverlapIsTold) {
   const Eigen::Vector3d shift_m = proposal[0].predicted_shift_m;
   const CoarseMap source(submaps[1].map, kMaxCoarseCells);
   const CoarseMap target(submaps[0].map, kMaxCoarseCells);
-  const CoarseOverlap forward = best_coarse_overlap(source, target, quarter, proposal[0].drift_allowance_m);
+  const CoarseOverlap forward =
+      best_coarse_overlap(source, target, quarter, proposal[0].drift_allowance_m, Eigen::Vector3d::UnitZ());
   ASSERT_LT(forward.overlap, proposal[0].predicted_overlap);
   ASSERT_LT(forward.shift_m.y(), -2.0);
   EXPECT_GT(shift_m.y(), 2.0) << shift_m.transpose();
   const Pose3 moved = Pose3::from_translation(shift_m.x(), shift_m.y(), shift_m.z()) * quarter;
   EXPECT_NEAR(coarse_overlap(target, source, moved.inverse(), Eigen::Vector3d::Zero()).overlap,
               proposal[0].predicted_overlap, 1e-9);
+}
+
+// Drift leads over the ground, however the sensor is mounted.
+TEST(ProposePairs, ShiftsOverTheGroundWhateverTheSensorsAttitude) {
+  std::vector<Eigen::Vector3d> walls_m;
+  for (int along = 0; along < 60; ++along) {
+    for (int z = 0; z < 20; ++z) {
+      walls_m.emplace_back(0.1 * along + 0.03, 0.02, 0.1 * z + 0.05);
+      walls_m.emplace_back(0.02, 0.1 * along + 0.04, 0.1 * z + 0.05);
+    }
+  }
+  const double quarter = 0.5 * std::numbers::pi;
+  for (const auto& [angle, axis] : {std::pair(0.0, 0), std::pair(quarter, 0), std::pair(-quarter, 1)}) {
+    const Pose3 mounted(Eigen::Quaterniond(Eigen::AngleAxisd(angle, Eigen::Vector3d::Unit(axis))),
+                        Eigen::Vector3d::Zero());
+    std::vector<Submap> submaps = {submap_at(0, 0, 0, 0.0, 0.0), submap_at(1, 1, 0, 0.0, 400.0)};
+    std::vector<Eigen::Vector3d> seen_m;
+    for (const Eigen::Vector3d& point_m : walls_m) seen_m.push_back(mounted.inverse() * point_m);
+    for (Submap& submap : submaps) submap.map = map_of(seen_m);
+    submaps[0].T_world_submap = mounted;
+    submaps[1].T_world_submap = Pose3::from_translation(3.2, 3.2, 0.0) * mounted;
+    const std::vector<CandidatePair> proposal = propose(submaps);
+    ASSERT_EQ(proposal.size(), 1U) << axis;
+    EXPECT_GT(proposal[0].predicted_overlap, 0.9) << axis;
+    const Eigen::Vector3d shift_m = mounted.rotation() * proposal[0].predicted_shift_m;
+    EXPECT_NEAR(shift_m.z(), 0.0, 1e-9) << axis;
+    EXPECT_LT(shift_m.x(), -1.5) << axis;
+    EXPECT_LT(shift_m.y(), -1.5) << axis;
+  }
 }
 
 TEST(ProposePairs, SequentialPairsAreListedEvenWithoutOverlapOrPoints) {

@@ -6,11 +6,14 @@
 #include <cmath>
 #include <optional>
 
+#include <Eigen/Cholesky>
+
 #include "kilter/matching/conflict.h"
 #include "kilter/registration/coarse_search.h"
 #include "kilter/registration/descent.h"
 #include "kilter/registration/plane_matches.h"
 #include "kilter/registration/settle.h"
+#include "kilter/registration/uncertainty.h"
 
 namespace kilter {
 namespace {
@@ -80,6 +83,24 @@ double apart_m(const VoxelMap& source, const Pose3& a, const Pose3& b) {
   return largest_m;
 }
 
+// Whether a pose is the settled one but for a slide along what the scene leaves open, which is named already and is no
+// other place: over the places that both saw the rest of the motion is less than `least_m` (RMS).
+bool is_slide(const RegistrationResult& result, const Pose3& T_target_source, double least_m) {
+  if (result.unobservable.empty()) return false;
+  const Eigen::Vector3d middle_m = result.centre_target_m + result.places_arm_m;
+  const Pose3 back = result.T_target_source_closest * T_target_source.inverse();
+  Vector6 motion;
+  motion << back * middle_m - middle_m, back.log().tail<3>();
+  const Matrix6 M = displacement_form(Eigen::Vector3d::Zero(),
+                                      result.scatter_m2 - result.places_arm_m * result.places_arm_m.transpose());
+  Eigen::Matrix<double, 6, Eigen::Dynamic> directions(6, static_cast<Eigen::Index>(result.unobservable.size()));
+  for (Eigen::Index k = 0; k < directions.cols(); ++k)
+    directions.col(k) = result.unobservable[static_cast<std::size_t>(k)];
+  const Eigen::MatrixXd within = directions.transpose() * M * directions;
+  const Vector6 rest = motion - directions * within.ldlt().solve(directions.transpose() * M * motion);
+  return rest.dot(M * rest) < least_m * least_m;
+}
+
 }  // namespace
 
 RegistrationResult align_point_to_plane(const NearestVoxelSearch& source, const NearestVoxelSearch& target,
@@ -137,11 +158,6 @@ RegistrationResult align_widely(const NearestVoxelSearch& source, const NearestV
   }
   const auto best = std::max_element(optima.begin(), optima.end(),
                                      [](const Optimum& a, const Optimum& b) { return a.worth < b.worth; });
-  const Optimum* runner_up = nullptr;
-  for (const Optimum& other : optima) {
-    if (apart_m(source.map(), other.descent.T, best->descent.T) < kDistinctVoxels * edge_m) continue;
-    if (runner_up == nullptr || other.worth > runner_up->worth) runner_up = &other;
-  }
   RegistrationOptions close = options;
   close.search_distance_m = std::min(options.search_distance_m, kCloseSearchVoxels * edge_m);
   Descent descent = descend(pair, best->descent.T, close, kWideRefinement_m);
@@ -149,6 +165,12 @@ RegistrationResult align_widely(const NearestVoxelSearch& source, const NearestV
   RegistrationResult result = settled_result(pair, start, descent, options, prior);
   result.searched = true;
   result.worth = best->worth;
+  const Optimum* runner_up = nullptr;
+  for (const Optimum& other : optima) {
+    if (apart_m(source.map(), other.descent.T, best->descent.T) < kDistinctVoxels * edge_m) continue;
+    if (is_slide(result, other.descent.T, kDistinctVoxels * edge_m)) continue;
+    if (runner_up == nullptr || other.worth > runner_up->worth) runner_up = &other;
+  }
   result.ambiguity = runner_up == nullptr ? 0.0 : std::clamp(runner_up->worth / std::max(best->worth, 1.0), 0.0, 1.0);
   if (runner_up != nullptr) result.T_target_source_runner_up = runner_up->descent.T;
   return result;

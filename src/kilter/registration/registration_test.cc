@@ -342,6 +342,7 @@ TEST(AlignWidely, DoesNotClaimAMoveAlongACorridor) {
     const RegistrationResult result = run_widely(pair, start);
     ASSERT_TRUE(result.converged()) << to_string(result.stop);
     ASSERT_EQ(result.unobservable.size(), 1U);
+    EXPECT_FALSE(result.ambiguous()) << "what it could slide to is no other place: " << *result.ambiguity;
     const Pose3 moved = result.T_target_source * start.inverse();
     const Eigen::Vector3d shift_m = result.centre_target_m - moved.inverse() * result.centre_target_m;
     EXPECT_NEAR(shift_m.dot(result.unobservable[0].head<3>()), 0.0, 0.03) << along_m;

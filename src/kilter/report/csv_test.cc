@@ -76,6 +76,16 @@ TEST(PairsCsv, EveryRowHasACellForEveryColumn) {
   for (const std::string& line : lines) EXPECT_EQ(cells_of(line).size(), columns) << line;
 }
 
+TEST(PairsCsv, ColumnsAreTheSameWhateverWasMeasured) {
+  Result bare = testing::small_result();
+  for (PairResult& pair : bare.pairs) pair.verdict.evidence.clear();
+  const std::vector<std::string> lines = lines_of(pairs_csv(bare));
+  EXPECT_EQ(lines[0], lines_of(pairs_csv(testing::small_result()))[0]);
+  EXPECT_NE(lines[0].find(",constraint,evidence_agreeing,evidence_agreeing_log_ratio,evidence_ambiguity,"),
+            std::string::npos);
+  EXPECT_TRUE(lines[1].ends_with(std::string(24, ','))) << lines[1];
+}
+
 TEST(PairsCsv, CellsStandUnderTheirNames) {
   const std::vector<std::string> lines = lines_of(pairs_csv(testing::small_result()));
   const std::vector<std::string> names = cells_of(lines[0]);
@@ -112,11 +122,11 @@ TEST(PairsCsv, CellsStandUnderTheirNames) {
                                                        {"log_odds", "9"},
                                                        {"p_inconsistent", "0.97"},
                                                        {"verdict", "inconsistent"},
-                                                       {"evidence_offset", "0.02"},
-                                                       {"evidence_offset_log_ratio", "-4.5"}};
+                                                       {"evidence_displacement", "0.02"},
+                                                       {"evidence_displacement_log_ratio", "-4.5"}};
   for (const auto& [name, value] : expected) EXPECT_EQ(row.at(name), value) << name;
   for (const char* name : {"mu", "gamma", "theta", "verified", "offset_m", "offset_x", "unobservable", "p_inconsistent",
-                           "evidence_offset", "evidence_conflict_log_ratio"}) {
+                           "evidence_displacement", "evidence_conflict_log_ratio"}) {
     EXPECT_EQ(empty.at(name), "") << name;
   }
   EXPECT_EQ(empty.at("verdict"), "unverified");

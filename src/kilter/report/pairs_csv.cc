@@ -2,9 +2,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "kilter/report/pairs_csv.h"
 
+#include <fmt/format.h>
+
+#include <array>
 #include <numbers>
 #include <optional>
-#include <set>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "kilter/report/csv_cell.h"
@@ -16,6 +20,11 @@ constexpr std::string_view kColumns =
     "target,source,kind,overlap,matched,d,mu,sigma,mu_t,var_t,gamma,gamma_literal,theta,theta_oicp,verified,"
     "offset_m,offset_low_m,offset_high_m,offset_deg,offset_x,offset_y,offset_z,gap_m,minimum_detectable_m,unobservable,"
     "p_value,log_odds,p_inconsistent,verdict,reason,constraint";
+
+// What a pair may have measured (docs/verdicts.md): columns are the same for every map, cells may be empty.
+constexpr std::array<std::string_view, 12> kEvidence = {
+    "agreeing",     "ambiguity", "bend_m",      "conflict",        "conflict_registered", "disagreement",
+    "displacement", "gap_m",     "log10_gamma", "mean_distance_m", "same_side",           "support"};
 
 using Cells = std::vector<std::optional<double>>;
 
@@ -58,14 +67,6 @@ Cells judged(const PairResult& pair) {
   return cells;
 }
 
-std::set<std::string> evidence_names(const Result& result) {
-  std::set<std::string> names;
-  for (const PairResult& pair : result.pairs) {
-    for (const auto& [name, piece] : pair.verdict.evidence) names.insert(name);
-  }
-  return names;
-}
-
 void append(std::string& text, const Cells& cells) {
   for (const std::optional<double>& cell : cells) text += ',' + csv_cell(cell);
 }
@@ -73,11 +74,8 @@ void append(std::string& text, const Cells& cells) {
 }  // namespace
 
 std::string pairs_csv(const Result& result) {
-  const std::set<std::string> names = evidence_names(result);
   std::string text(kColumns);
-  for (const std::string& name : names) {
-    text += ',' + csv_cell("evidence_" + name) + ',' + csv_cell("evidence_" + name + "_log_ratio");
-  }
+  for (const std::string_view name : kEvidence) text += fmt::format(",evidence_{0},evidence_{0}_log_ratio", name);
   text += '\n';
   for (const PairResult& pair : result.pairs) {
     text += csv_cell(result.submap(pair.id.target).name) + ',' + csv_cell(result.submap(pair.id.source).name);
@@ -86,8 +84,8 @@ std::string pairs_csv(const Result& result) {
     append(text, judged(pair));
     text += ',' + csv_cell(to_string(pair.verdict.verdict)) + ',' + csv_cell(pair.verdict.reason);
     text += pair.trusted ? ",1" : ",0";
-    for (const std::string& name : names) {
-      const auto piece = pair.verdict.evidence.find(name);
+    for (const std::string_view name : kEvidence) {
+      const auto piece = pair.verdict.evidence.find(std::string(name));
       const bool there = piece != pair.verdict.evidence.end();
       append(text, {there ? piece->second.value : std::nullopt, there ? piece->second.log_ratio : std::nullopt});
     }

@@ -139,7 +139,7 @@ TEST(ResultJson, CarriesEveryNumberOfAPair) {
   EXPECT_EQ(pair["gamma_literal"].get<double>(), 19342.0 * 1.25);
   EXPECT_EQ(pair["theta"].get<double>(), 20000.5);
   EXPECT_EQ(pair["verified"].get<double>(), 658.5);
-  EXPECT_EQ(pair["evidence"]["offset"]["log_ratio"].get<double>(), -4.5);
+  EXPECT_EQ(pair["evidence"]["displacement"]["log_ratio"].get<double>(), -4.5);
   EXPECT_TRUE(pair["evidence"]["conflict"]["null"].is_null());
   EXPECT_EQ(pair["offset_interval_m"], json({0.39, 0.47}));
   EXPECT_EQ(pair["offset_deg"].get<double>(), 0.03 * 180.0 / std::numbers::pi);

@@ -106,8 +106,9 @@ struct Share {
     overlapping += 1;
     decided += pair.verdict.verdict == Verdict::kUnverified ? 0 : 1;
   }
-  [[nodiscard]] double value() const {
-    return overlapping == 0 ? 0.0 : static_cast<double>(decided) / static_cast<double>(overlapping);
+  [[nodiscard]] std::optional<double> value() const {
+    if (overlapping == 0) return std::nullopt;
+    return static_cast<double>(decided) / static_cast<double>(overlapping);
   }
 };
 
@@ -125,8 +126,8 @@ DecidedShares decided_shares(const std::vector<JudgedPair>& pairs, std::span<con
     if (pair.kind == PairKind::kGlobal) global[robots_key(pair, robots)].add(pair);
   }
   DecidedShares shares;
-  if (sequential.overlapping > 0) shares.sequential = sequential.value();
-  if (local.overlapping > 0) shares.local = local.value();
+  shares.sequential = sequential.value();
+  shares.local = local.value();
   for (const auto& [key, share] : global) shares.global[key] = share.value();
   return shares;
 }
@@ -140,20 +141,16 @@ std::string undecided(const DecidedShares& shares, const std::vector<JudgedPair>
   const auto too_few = [&](double share) { return share < options.min_decided; };
   for (const auto& of_robots : shares.global) {
     const std::string& key = of_robots.first;  // clang 14 lets no lambda capture a structured binding
-    const double share = of_robots.second;
-    if (!too_few(share)) continue;
-    std::size_t listed = 0;
-    std::size_t counted = 0;
-    for (const JudgedPair& pair : pairs) {
-      if (pair.kind != PairKind::kGlobal || robots_key(pair, robots) != key) continue;
-      ++listed;
-      counted += counts(pair) ? 1 : 0;
-    }
+    const std::optional<double> share = of_robots.second;
+    if (share && !too_few(*share)) continue;
+    const bool listed = std::any_of(pairs.begin(), pairs.end(), [&](const JudgedPair& pair) {
+      return pair.kind == PairKind::kGlobal && robots_key(pair, robots) == key;
+    });
     const std::string names =
         fmt::format("{} and {}", printable(key.substr(0, key.find(','))), printable(key.substr(key.find(',') + 1)));
-    if (listed == 0) return fmt::format("robots {} never meet", names);
-    if (counted == 0) return fmt::format("robots {} never show enough of the same place", names);
-    return fmt::format("only {:.0f} % of what robots {} both saw could be decided", 100.0 * share, names);
+    if (!listed) return fmt::format("robots {} never meet", names);
+    if (!share) return fmt::format("robots {} never show enough of the same place", names);
+    return fmt::format("only {:.0f} % of what robots {} both saw could be decided", 100.0 * *share, names);
   }
   const bool has_sequential =
       std::any_of(pairs.begin(), pairs.end(), [](const auto& pair) { return pair.kind == PairKind::kSequential; });

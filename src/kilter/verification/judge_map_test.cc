@@ -39,7 +39,7 @@ TEST(JudgeMap, RobotsThatNeverMeetLeaveItUndetermined) {
   const MapVerdict map = judge_map(pairs, kRobots, {});
   EXPECT_EQ(map.state, MapState::kUndetermined);
   EXPECT_NE(map.reason.find("a and b never meet"), std::string::npos);
-  EXPECT_EQ(map.decided.global.at("a,b"), 0.0);
+  EXPECT_EQ(map.decided.global.at("a,b"), std::nullopt) << "no share of nothing";
   EXPECT_EQ(*map.decided.sequential, 1.0);
   EXPECT_FALSE(map.decided.local.has_value());
 }

@@ -101,7 +101,7 @@ struct LogProbability {
 struct DecidedShares {
   std::optional<double> sequential;
   std::optional<double> local;
-  std::map<std::string, double> global;  ///< by "a,b", every two robots; 0 where they never meet
+  std::map<std::string, std::optional<double>> global;  ///< by "a,b", every two robots; absent where they never meet
 };
 
 /// The answer for the whole map.
