@@ -71,7 +71,7 @@ class Verdicts(CheckCase):
         self.assertEqual(run.status, 4, run.stdout + run.stderr)
         self.assertTrue(run.stdout.startswith("UNDETERMINED: "), run.stdout)
         self.assertRegex(run.stdout, r"\nNever meet +a and b\n")
-        self.assertEqual(read_result(self.out)["system"]["decided"]["global"], {"a,b": 0})
+        self.assertEqual(read_result(self.out)["system"]["decided"]["global"], {"a,b": None})
 
     def test_one_scan_alone_is_undetermined(self):
         run = run_kilter("check", self.tiny.copy("one", scans=1), "-o", self.out)

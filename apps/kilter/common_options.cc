@@ -55,7 +55,7 @@ namespace {
 // The search for the nearest voxel knows every block within its reach: time and memory grow with the cube of it.
 Expected<void> check_reach(const CheckOptions& options) {
   constexpr double kMostVoxels = 200.0;
-  const double d_m = options.distribution.max_distance_m;
+  const double d_m = options.matching.max_distance_m;
   const double resolution_m = options.submap.occupancy.resolution_m;
   if (d_m <= kMostVoxels * resolution_m * (1.0 + 1e-9)) return {};
   return fail(ErrorCode::kConfig,
