@@ -6,8 +6,6 @@
 #include <cmath>
 #include <optional>
 
-#include <Eigen/Cholesky>
-
 #include "kilter/matching/conflict.h"
 #include "kilter/registration/coarse_search.h"
 #include "kilter/registration/descent.h"
@@ -83,21 +81,19 @@ double apart_m(const VoxelMap& source, const Pose3& a, const Pose3& b) {
   return largest_m;
 }
 
-// Whether a pose is the settled one but for a slide along what the scene leaves open, which is named already and is no
-// other place: over the places that both saw the rest of the motion is less than `least_m` (RMS).
+// Whether a pose is the settled one but for a slide along a corridor, the one direction that the scene leaves open:
+// that is named already and is no other place. Over the places that both saw the rest of the motion is less than
+// `least_m` (RMS). Where more is open the two share little but a floor, and what fits beside may well be another place.
 bool is_slide(const RegistrationResult& result, const Pose3& T_target_source, double least_m) {
-  if (result.unobservable.empty()) return false;
+  if (result.unobservable.size() != 1) return false;
   const Eigen::Vector3d middle_m = result.centre_target_m + result.places_arm_m;
   const Pose3 back = result.T_target_source_closest * T_target_source.inverse();
   Vector6 motion;
   motion << back * middle_m - middle_m, back.log().tail<3>();
   const Matrix6 M = displacement_form(Eigen::Vector3d::Zero(),
                                       result.scatter_m2 - result.places_arm_m * result.places_arm_m.transpose());
-  Eigen::Matrix<double, 6, Eigen::Dynamic> directions(6, static_cast<Eigen::Index>(result.unobservable.size()));
-  for (Eigen::Index k = 0; k < directions.cols(); ++k)
-    directions.col(k) = result.unobservable[static_cast<std::size_t>(k)];
-  const Eigen::MatrixXd within = directions.transpose() * M * directions;
-  const Vector6 rest = motion - directions * within.ldlt().solve(directions.transpose() * M * motion);
+  const Vector6& open = result.unobservable.front();
+  const Vector6 rest = motion - open.dot(M * motion) / open.dot(M * open) * open;
   return rest.dot(M * rest) < least_m * least_m;
 }
 

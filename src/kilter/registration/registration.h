@@ -99,7 +99,7 @@ struct RegistrationResult {
   /// align_near ran.
   double worth = 0.0;
   /// Worth (support less conflict) of the next best distinct pose as a share of the best, where the wide search found
-  /// one (no slide along `unobservable`): near 1, the pair fits as well elsewhere. Absent if that search did not run.
+  /// one (no slide along a corridor): near 1, the pair fits as well elsewhere. Absent if that search did not run.
   std::optional<double> ambiguity;
   Pose3 T_target_source_runner_up;  ///< that pose; meaningful with `ambiguity`
 
