@@ -5,7 +5,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <optional>
+#include <system_error>
 #include <tuple>
 
 #include "kilter/base/contract.h"
@@ -17,12 +19,15 @@
 #include "kilter/io/file.h"
 #include "kilter/io/number_text.h"
 #include "kilter/io/random_access_file.h"
+#include "kilter/io/sources/flat_folder.h"
 #include "kilter/io/sources/source_kind.h"
 
 namespace kilter {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr std::array<std::string_view, 3> kExtensions = {".mcap", ".db3", ".bag"};
 
 using OpenReader = Expected<std::unique_ptr<BagReader>> (*)(const fs::path& path);
 
@@ -31,15 +36,36 @@ bool has_extension(std::string_view name, std::string_view extension) {
   return lower.ends_with(extension) || lower.ends_with(std::string(extension) + ".zstd");
 }
 
+bool holds_file_of(const fs::path& folder, std::string_view extension) {
+  const auto names = is_folder(folder) ? list_folder(folder) : Expected<std::vector<std::string>>();
+  return names && std::any_of(names->begin(), names->end(), [&](const std::string& name) {
+           return has_extension(name, extension) && is_file(folder / name);
+         });
+}
+
+// Looks one folder deep only: links may lead round and round.
+bool is_other_source(const fs::path& folder) {
+  if (has_clouds_and_poses(folder)) return true;
+  if (std::any_of(kExtensions.begin(), kExtensions.end(),
+                  [&](std::string_view extension) { return holds_file_of(folder, extension); })) {
+    return true;
+  }
+  const auto kinds = source_kinds();
+  return std::any_of(kinds.begin(), kinds.end(), [&](const SourceKind& kind) {
+    return !kind.has_topics && kind.open != open_flat_folder && kind.matches(folder);
+  });
+}
+
 bool is_bag_of(const fs::path& path, std::string_view extension) {
   if (is_file(path)) return has_extension(path.filename().native(), extension);
-  const auto names = is_folder(path) ? list_folder(path) : Expected<std::vector<std::string>>();
-  if (!names) return false;
-  const auto is_part = [&](const std::string& name) { return has_extension(name, extension) && is_file(path / name); };
+  if (!holds_file_of(path, extension)) return false;
   // A mission's folder may have the bags that it was made of beside its robots, or sessions of several kinds.
-  return std::any_of(names->begin(), names->end(), is_part) &&
-         std::none_of(names->begin(), names->end(), [&](const std::string& name) {
-           return !name.starts_with('.') && is_folder(path / name) && recognise(path / name) != nullptr;
+  const auto names = list_folder(path);
+  return names && std::none_of(names->begin(), names->end(), [&](const std::string& name) {
+           std::error_code error;
+           const fs::path inside = path / name;
+           return !name.starts_with('.') && is_folder(inside) && !fs::equivalent(inside, path, error) &&
+                  is_other_source(inside);
          });
 }
 
@@ -110,7 +136,7 @@ Expected<std::vector<Part>> parts_of_one(const SourceRequest& request, std::stri
 // Which of them is meant is not for kilter to say: they may be one recording converted, or several.
 Expected<void> check_one_format(const fs::path& folder, const std::vector<std::string>& names,
                                 std::string_view extension, const std::string& found) {
-  for (const std::string_view other : {".mcap", ".db3", ".bag"}) {
+  for (const std::string_view other : kExtensions) {
     if (other == extension) continue;
     const auto bag = std::find_if(names.begin(), names.end(), [&](const std::string& name) {
       return !name.starts_with('.') && has_extension(name, other) && is_file(folder / name);

@@ -39,6 +39,19 @@ TEST(BagSource, LeavesOtherSourcesBesideABagToThemselves) {
       << notes_of(mission);
 }
 
+TEST(BagSource, IsFoundBesideLinksThatLeadRoundAndRound) {
+  const TempFolder folder;
+  folder.write("run/run_0.mcap", a_bag());
+  for (const char* name : {"a", "b", "c"}) std::filesystem::create_directory_symlink(".", folder.path() / "run" / name);
+  EXPECT_EQ(only_robot(open_source(folder.path() / "run"), kKind).T_world_cloud.size(), 4U);
+  folder.write("clouds/0.pcd", cloud_number(0));
+  folder.write("clouds/poses.tum", "0 0 0 0 0 0 0 1\n");
+  for (const char* name : {"a", "b", "c"}) {
+    std::filesystem::create_directory_symlink(".", folder.path() / "clouds" / name);
+  }
+  EXPECT_EQ(only_robot(open_source(folder.path() / "clouds"), "folder of clouds").T_world_cloud.size(), 1U);
+}
+
 TEST(BagSource, AsksWhichOfSeveralFormatsIsMeant) {
   const TempFolder folder;
   folder.write("run/monday_0.mcap", a_bag());

@@ -41,8 +41,8 @@ class FrameTree {
     std::size_t samples = 0;         ///< of the transform that was sent most often
     std::int64_t first_ns = 0;       ///< from here to last_ns each of the transforms was sent
     std::int64_t last_ns = 0;
-    bool moves =
-        false;  ///< some transform changes: those that never do hold at any time, however seldom they were sent
+    /// Some transform changes: those that never do hold at any time, however seldom they were sent.
+    bool moves = false;
   };
 
   /// The way from `frame` up to a fixed one: the first of map, odom and world that it meets (with or without a robot's

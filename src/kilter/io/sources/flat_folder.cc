@@ -87,14 +87,20 @@ Expected<fs::path> find_pose_list(const fs::path& folder) {
 
 }  // namespace
 
-bool is_flat_folder(const fs::path& folder) {
+bool has_clouds_and_poses(const fs::path& folder) {
   if (!is_folder(folder) || is_part_of_something(folder)) return false;
   const auto names = list_folder(folder);
   if (!names) return false;
   const bool has_cloud = std::any_of(names->begin(), names->end(), [&](const std::string& name) {
     return !name.starts_with('.') && cloud_format_of(name) && is_file(folder / name);
   });
-  return has_cloud && !find_pose_lists(folder, *names).empty() && !holds_other_sources(folder, *names);
+  return has_cloud && !find_pose_lists(folder, *names).empty();
+}
+
+bool is_flat_folder(const fs::path& folder) {
+  if (!has_clouds_and_poses(folder)) return false;
+  const auto names = list_folder(folder);
+  return names && !holds_other_sources(folder, *names);
 }
 
 Expected<RobotLog> open_flat_folder(const SourceRequest& request, std::vector<std::string>& notes) {

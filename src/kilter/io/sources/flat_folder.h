@@ -6,6 +6,9 @@
 
 namespace kilter {
 
+/// Whether clouds and a list of poses lie side by side in a folder, whatever else does.
+[[nodiscard]] bool has_clouds_and_poses(const std::filesystem::path& folder);
+
 /// Whether clouds lie directly in a folder beside a file that looks like a list of poses, and no folder in it is a
 /// source of a kind of its own.
 [[nodiscard]] bool is_flat_folder(const std::filesystem::path& folder);
