@@ -38,6 +38,10 @@ std::optional<std::uint64_t> number_of_file(std::string_view name) { return pars
 
 std::optional<std::vector<std::uint64_t>> numbers_of_files(std::span<const std::string> names) {
   if (names.empty()) return std::nullopt;
+  if (names.size() == 1) {
+    const auto number = number_of_file(names.front());
+    return number ? std::optional(std::vector{*number}) : std::nullopt;
+  }
   std::string_view before = stem_of(names.front());
   std::string_view behind = before;
   for (const std::string& file : names) {

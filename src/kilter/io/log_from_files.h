@@ -27,7 +27,8 @@ void read_from_files(RobotLog& log, std::vector<std::filesystem::path> paths);
 [[nodiscard]] std::optional<std::uint64_t> number_of_file(std::string_view name);
 
 /// The numbers by which files' names differ: 1, 10 and 2 of "scan_1.pcd", "scan_10.pcd" and "scan_2.pcd".
-/// \return  one for each; nothing where names differ in more than one number, or a name has none there
+/// \return  one for each (of a single name number_of_file); nothing where names differ in more than one number, or a
+/// name has none there
 [[nodiscard]] std::optional<std::vector<std::uint64_t>> numbers_of_files(std::span<const std::string> names);
 
 /// Counts that differ: says both, and which is the first missing one.

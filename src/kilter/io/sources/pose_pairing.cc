@@ -49,18 +49,10 @@ std::optional<std::vector<StampText>> stamps_of(const std::vector<std::string>& 
 
 // The numbers that names count by.
 std::optional<std::vector<StampText>> counts_of(const std::vector<std::string>& names) {
-  std::vector<std::uint64_t> numbers;
-  if (names.size() == 1) {
-    const auto number = number_of_file(names.front());
-    if (!number) return std::nullopt;
-    numbers = {*number};
-  } else if (auto several = numbers_of_files(names)) {
-    numbers = *std::move(several);
-  } else {
-    return std::nullopt;
-  }
+  const auto numbers = numbers_of_files(names);
+  if (!numbers) return std::nullopt;
   std::vector<StampText> counts;
-  for (const std::uint64_t number : numbers) {
+  for (const std::uint64_t number : *numbers) {
     if (number > static_cast<std::uint64_t>(INT64_MAX)) return std::nullopt;
     counts.push_back({static_cast<std::int64_t>(number), 0, false});
   }
