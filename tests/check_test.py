@@ -7,6 +7,7 @@ from __future__ import annotations
 import contextlib
 import csv
 import json
+import math
 import os
 import pty
 import re
@@ -261,6 +262,23 @@ class Output(CheckCase):
         self.assertIn("which is odd (millimetres): write clouds and poses in metres", run.stderr)
         self.assertIn("\nNext        see to the input first (millimetres of robot a)", run.stdout)
         self.assertNotIn("odd", self.check().stderr)
+
+    def test_a_mounting_that_was_left_out_is_named_with_its_quaternion(self):
+        turned = self.out.with_name("turned")
+        shutil.copytree(self.tiny.mission / "a", turned / "a")
+        poses = turned / "a" / "poses.tum"
+        rows = [line.split() for line in poses.read_text(encoding="utf-8").splitlines() if not line.startswith("#")]
+        half = math.sqrt(0.5)
+        with poses.open("w", encoding="utf-8") as file:
+            for stamp, *place, x, y, z, w in rows:
+                qx, qy, qz, qw = (float(word) for word in (x, y, z, w))
+                print(stamp, *place, half * (qx - qy), half * (qx + qy), half * (qz - qw), half * (qw + qz), file=file)
+        run = run_kilter("check", turned, "-o", self.out, *self.settings)
+        self.assertIn("turned by 90 degrees about z (qx qy qz qw: 0.000 0.000 0.707 0.707)", run.stderr)
+        self.assertIn("\nNext        see to the input first (turned-sensor of robot a)", run.stdout)
+        given = run_kilter("check", turned, "-o", self.out, *self.settings, "--set",
+                           "T_body_sensor=0 0 0 0 0 0.70710678 0.70710678")
+        self.assertNotIn("odd", given.stderr)
 
     def test_one_robot_under_two_names_is_told(self):
         twice = [f"{name}={self.tiny.mission / 'a'}" for name in ("c", "d")]

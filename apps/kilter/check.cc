@@ -69,9 +69,10 @@ struct Job {
 };
 
 // Of what `info` finds odd, that which makes nonsense of a map.
-constexpr std::array<std::string_view, 12> kSpoilsAll = {
-    "camera-frame", "millimetres", "time-jump",     "pose-jump",       "no-motion",     "far-robot",
-    "no-turns",     "tumbles",     "stamps-differ", "clouds-in-world", "inverse-poses", "poses-unfit"};
+constexpr std::array kSpoilsAll = std::to_array<std::string_view>(
+    {"camera-frame", "millimetres", "time-jump", "pose-jump", "no-motion", "far-robot", "no-turns", "tumbles",
+     "stamps-differ", "clouds-in-world", "inverse-poses", "transposed-rotations", "scalar-first", "swapped-poses",
+     "shifted-poses", "turned-sensor", "mirrored-poses", "other-axes", "poses-unfit"});
 
 // What cannot be looked at is told when it is read.
 std::vector<Oddity> find_spoilers(const Mission& mission, const SubmapOptions& options) {

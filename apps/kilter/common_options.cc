@@ -50,22 +50,6 @@ void add_common_options(CLI::App& command, CommonOptions& options) {
   command.footer("");
 }
 
-namespace {
-
-// The search for the nearest voxel knows every block within its reach: time and memory grow with the cube of it.
-Expected<void> check_reach(const CheckOptions& options) {
-  constexpr double kMostVoxels = 200.0;
-  const double d_m = options.matching.max_distance_m;
-  const double resolution_m = options.submap.occupancy.resolution_m;
-  if (d_m <= kMostVoxels * resolution_m * (1.0 + 1e-9)) return {};
-  return fail(ErrorCode::kConfig,
-              fmt::format("d: expected at most {:g} voxels, {:g} m at a resolution of {:g} m, found {:g} m",
-                          kMostVoxels, kMostVoxels * resolution_m, resolution_m, d_m),
-              {}, "lower d, or use a coarser resolution");
-}
-
-}  // namespace
-
 Expected<Settings> read_settings(const CommonOptions& options, bool seed_preset) {
   Settings settings;
   if (seed_preset) apply_seed_preset(settings.check);
@@ -82,8 +66,7 @@ Expected<Settings> read_settings(const CommonOptions& options, bool seed_preset)
       return pass_up(done.error());
     }
   }
-  if (auto fit = validate(settings.check.submap.occupancy); !fit) return pass_up(fit.error());
-  if (auto fit = check_reach(settings.check); !fit) return pass_up(fit.error());
+  if (auto fit = validate(settings.check); !fit) return pass_up(fit.error());
   if (const Expected<std::size_t> memory = parse_memory(options.memory); !memory) return pass_up(memory.error());
   return settings;
 }

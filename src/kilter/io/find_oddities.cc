@@ -119,11 +119,37 @@ std::optional<double> stamps_apart_s(const RobotLog& robot) {
   return spread_s(*named_ns, robot.stamps_ns);
 }
 
+std::string_view code_of(PoseReading reading) {
+  switch (reading) {
+    case PoseReading::kCloudsInWorld:
+      return "clouds-in-world";
+    case PoseReading::kInverse:
+      return "inverse-poses";
+    case PoseReading::kTransposed:
+      return "transposed-rotations";
+    case PoseReading::kScalarFirst:
+      return "scalar-first";
+    case PoseReading::kOtherRobot:
+      return "swapped-poses";
+    case PoseReading::kShifted:
+      return "shifted-poses";
+    case PoseReading::kTurned:
+      return "turned-sensor";
+    case PoseReading::kMirrored:
+      return "mirrored-poses";
+    case PoseReading::kOtherAxes:
+      return "other-axes";
+    case PoseReading::kNeither:
+      return "poses-unfit";
+  }
+  return {};
+}
+
 /// Collects what is odd about one robot.
 class Finder {
  public:
-  Finder(const RobotLog& robot, const RobotInspection& seen, std::vector<Oddity>& found)
-      : robot_(robot), seen_(seen), found_(found) {}
+  Finder(std::span<const RobotLog> robots, std::size_t place, const RobotInspection& seen, std::vector<Oddity>& found)
+      : robots_(robots), place_(place), robot_(robots[place]), seen_(seen), found_(found) {}
 
   void look() {
     const std::size_t before = found_.size();
@@ -131,9 +157,10 @@ class Finder {
     look_at_stamps();
     const bool poses_are_odd = found_.size() != before;
     look_at_first_cloud();
-    const bool in_millimetres = std::any_of(found_.begin() + static_cast<std::ptrdiff_t>(before), found_.end(),
-                                            [](const Oddity& oddity) { return oddity.code == "millimetres"; });
-    if (!poses_are_odd && !in_millimetres) look_at_reading();
+    const bool tell_nothing =
+        std::any_of(found_.begin() + static_cast<std::ptrdiff_t>(before), found_.end(),
+                    [](const Oddity& oddity) { return oddity.code == "millimetres" || oddity.code == "no-motion"; });
+    if (!tell_nothing) look_at_reading(poses_are_odd);
     look_at_all_clouds();
     const bool poses_are_left = seen_.poses_found > seen_.clouds && !seen_.poses_are_a_trajectory;
     if (seen_.clouds_found > seen_.clouds || poses_are_left) {
@@ -214,22 +241,20 @@ class Finder {
     }
   }
 
-  void look_at_reading() {
-    const std::optional<OtherReading> other = find_other_reading(robot_);
+  void look_at_reading(bool poses_are_odd) {
+    const std::optional<OtherReading> other = find_other_reading(robots_, place_);
     if (!other) return;
     if (other->reading == PoseReading::kNeither) {
+      if (poses_are_odd) return;
       say("poses-unfit",
           fmt::format("{:.0f} % of a cloud's points meet those of the next one, and {:.0f} % those of one "
                       "a few metres away",
                       100.0 * other->otherwise, 100.0 * other->as_given));
       return;
     }
-    const bool in_world = other->reading == PoseReading::kCloudsInWorld;
-    say(in_world ? "clouds-in-world" : "inverse-poses",
-        fmt::format("{:.0f} % of a cloud's points meet those of one a few metres away {}, and {:.0f} % with the poses "
-                    "as they are",
-                    100.0 * other->otherwise, in_world ? "without their poses" : "with inverted poses",
-                    100.0 * other->as_given));
+    say(code_of(other->reading), fmt::format("{:.0f} % of a cloud's points meet those of one a few metres away {}, and "
+                                             "{:.0f} % with the poses as they are",
+                                             100.0 * other->otherwise, other->how, 100.0 * other->as_given));
   }
 
   void look_at_first_cloud() {
@@ -282,6 +307,8 @@ class Finder {
                           robot_.cloud_name(clouds.front())));
   }
 
+  std::span<const RobotLog> robots_;
+  std::size_t place_;
   const RobotLog& robot_;
   const RobotInspection& seen_;
   std::vector<Oddity>& found_;
@@ -339,7 +366,7 @@ std::vector<GivenTwice> robots_given_twice(std::span<const RobotLog> robots) {
 
 std::vector<Oddity> find_oddities(std::span<const RobotLog> robots, std::span<const RobotInspection> seen) {
   std::vector<Oddity> found;
-  for (std::size_t i = 0; i < robots.size(); ++i) Finder(robots[i], seen[i], found).look();
+  for (std::size_t i = 0; i < robots.size(); ++i) Finder(robots, i, seen[i], found).look();
   compare_robots(robots, seen, found);
   return found;
 }

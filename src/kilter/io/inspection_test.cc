@@ -15,7 +15,7 @@
 namespace kilter {
 namespace {
 
-// Ten scans a metre apart along x, each with 1200 points between 1 and 13 m and its own first point.
+// Ten scans a metre apart along x, each with 1200 points between 1 and 13 m all around, and none of another scan's.
 RobotLog robot(const std::string& name, double at_x_m = 0.0) {
   RobotLog log;
   log.name = name;
@@ -24,8 +24,12 @@ RobotLog robot(const std::string& name, double at_x_m = 0.0) {
   log.clouds_found = log.poses_found = 10;
   log.read_cloud = [](std::size_t scan) -> Expected<PointCloud> {
     PointCloud cloud;
-    for (int i = 0; i < 1200; ++i)
-      cloud.add(1.0F + 0.01F * static_cast<float>(i), 0.1F * static_cast<float>(scan), 0.0F);
+    Rng rng(1, scan);
+    for (int i = 0; i < 1200; ++i) {
+      const Eigen::Vector3d towards(rng.uniform(-1.0, 1.0), rng.uniform(-1.0, 1.0), rng.uniform(-1.0, 1.0));
+      const Eigen::Vector3f at_m = ((1.0 + 0.01 * i) * towards.normalized()).cast<float>();
+      cloud.add(at_m.x(), at_m.y(), at_m.z());
+    }
     return cloud;
   };
   const auto own = static_cast<std::uint64_t>(1000.0 * at_x_m);
@@ -185,7 +189,7 @@ TEST(Inspect, TellsPosesThatAreInvertedAndCloudsThatAreInTheWorldAlready) {
   for (std::size_t i = 0; i < truth.size(); ++i) {
     log.T_world_cloud[i] = Pose3(truth[i].rotation() * left, truth[i].translation_m());
   }
-  EXPECT_EQ(codes(inspected({log})), Codes{"poses-unfit"});
+  EXPECT_EQ(codes(inspected({log})), Codes{"turned-sensor"});
   log.T_world_cloud = truth;
   log.read_cloud = [&](std::size_t i) -> Expected<PointCloud> { return posts_near(i, Pose3()); };
   EXPECT_EQ(codes(inspected({log})), Codes{"clouds-in-world"});

@@ -68,6 +68,36 @@ std::span<const OddityTopic> oddity_catalog() {
                   "Clouds meet each other if the poses are inverted, and not as they are: poses were written as "
                   "T_sensor_world.",
                   "write poses as T_world_sensor: where the sensor is in the map"},
+      OddityTopic{"transposed-rotations",
+                  "Clouds meet each other if rotations are transposed, and not as they are: positions are where the "
+                  "sensor is in the world, rotations turn the world's axes into the sensor's.",
+                  "write both as T_world_sensor"},
+      OddityTopic{"scalar-first",
+                  "Clouds meet each other if the first number of each quaternion is qw, and not as it was read.",
+                  "write quaternions as qx qy qz qw, or name the columns"},
+      OddityTopic{"swapped-poses",
+                  "A robot's clouds meet each other under another robot's poses, and not under its own: folders or "
+                  "files of two robots were exchanged.",
+                  "give each robot its own poses"},
+      OddityTopic{"shifted-poses",
+                  "Clouds meet each other under the poses of clouds before or behind them, and not under their own: "
+                  "first clouds or poses are missing, or stamps of both come from different clocks.",
+                  "remove what has no partner, or mend the stamps"},
+      OddityTopic{"turned-sensor",
+                  "Clouds meet each other if their sensor looks another way than the poses, and not as they are: poses "
+                  "are the vehicle's or another sensor's, and how this one is mounted was left out. The turn is known "
+                  "to about two degrees; where the sensor sits cannot be told in this way.",
+                  "give the sensor's place on the robot as T_body_sensor, `x y z` and this quaternion"},
+      OddityTopic{"mirrored-poses",
+                  "Clouds meet each other if axes of the poses are turned round or exchanged, and not as they are: one "
+                  "of both has left-handed axes (game engines, y to the south, z down with x and y as before). A robot "
+                  "that stays level looks the same with a sensor on its head.",
+                  "write poses and clouds with right-handed axes, or a sensor on its head as T_body_sensor"},
+      OddityTopic{
+          "other-axes",
+          "Clouds meet each other if positions have other axes than rotations, and not as they are: one of "
+          "both was brought into another frame (east, north, up; north, east, down; a camera's), the other not.",
+          "write positions and rotations in one frame"},
       OddityTopic{
           "poses-unfit",
           "Clouds meet the next ones, but hardly those a few metres on, whichever way the poses are read: their "

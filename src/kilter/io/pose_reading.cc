@@ -3,148 +3,152 @@
 #include "kilter/io/pose_reading.h"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 #include <vector>
 
-#include "kilter/occupancy/map_builder.h"
+#include "kilter/io/cloud_looks.h"
+#include "kilter/io/other_readings.h"
 
 namespace kilter {
 namespace {
 
-constexpr std::size_t kMostPairs = 6;
-constexpr std::size_t kFewestPairs = 3;
-constexpr double kLeastWay_m = 1.0;  // less shows no difference between readings,
-constexpr double kMostWay_m = 3.0;   // and more shows other places
-constexpr double kVoxel_m = 0.3;
-constexpr double kNear_m = 20.0;  // points beyond lie too far apart to meet
-constexpr std::size_t kMostPoints = 6000;
-constexpr double kGoAlong = 0.5;  // of the sensor's way, that clouds' middles may stray from it
-// Middles of finished submaps say more of the rooms than of the way: 0.7 of it where they were in the world, 1.1 where
-// they were in their own frames.
-constexpr double kSubmapsGoAlong = 0.9;
-constexpr double kMoreMeet = 1.25;  // times as many points, and
-constexpr double kShareMore = 0.1;  // at least this share of them
-// Under the right reading nearly as many points meet as of the next cloud, whose place hardly matters: 0.92 to 0.96 of
-// them under inverted poses that were right, 0.44 (a car at speed) to 1 as given. Where a mounting was left out
-// inverted poses fit better too, and reach 0.39 to 0.64, and 0.03 to 0.16 meet as given.
-constexpr double kLikeNext = 0.7;
+// As given, the best of the other readings met 1.02 times as many points at most where nothing was wrong, and where
+// something was, the right one 1.27 times at least.
+constexpr double kMoreMeet = 1.2;        // times as many points, or, in
+constexpr double kMoreMeetAtSome = 1.4;  // some pairs
+// Under the right reading as many points meet as of the next cloud, whose place hardly matters: 0.86 of them or more,
+// and up to 0.83 under the best of readings where none was right.
+constexpr double kLikeNext = 0.85;
+// Where a mounting was left out and is none that is tried, inverted poses fit better too, and reach 0.39 to 0.64, and
+// 0.03 to 0.16 meet as given.
 constexpr double kUnlikeNext = 0.25;
+constexpr double kFitsWell = 0.9;    // of the next cloud: needs no finer search
+constexpr double kFewMeet = 0.1;     // of the next cloud
+constexpr double kSameShare = 0.98;  // of the best: as good
+constexpr double kFirstTurn_rad = 0.08;
+constexpr double kFinestTurn_rad = 0.02;
+constexpr double kLeastMounting_rad = 0.05;
 
-using Pair = std::pair<std::size_t, std::size_t>;
-
-// Evenly along the way; finished submaps with the next ones, however far they lie.
-std::vector<Pair> some_pairs(const RobotLog& robot) {
-  const std::vector<Pose3>& poses = robot.T_world_cloud;
-  std::vector<Pair> pairs;
-  std::size_t first = 0;
-  for (std::size_t i = 1; i < poses.size(); ++i) {
-    if (robot.finished_submaps) {
-      pairs.emplace_back(i - 1, i);
-      continue;
-    }
-    const double way_m = (poses[i].translation_m() - poses[first].translation_m()).norm();
-    if (way_m < kLeastWay_m) continue;
-    if (way_m <= kMostWay_m) pairs.emplace_back(first, i);
-    first = i;
-  }
-  if (pairs.size() <= kMostPairs) return pairs;
-  for (std::size_t k = 0; k < kMostPairs; ++k) pairs[k] = pairs[k * pairs.size() / kMostPairs];
-  pairs.resize(kMostPairs);
-  return pairs;
+// How much better a reading is than poses as given, over all looks: as given where it has no poses. 1 where it has too
+// little to show, or makes other looks worse.
+double gain_of(const Shares& shares, const CloudLooks& looks) {
+  if (3 * shares.looks < 2 * looks.size() || shares.looks < kFewestLooks || 6 * shares.worse > shares.looks) return 1.0;
+  const double part = static_cast<double>(shares.looks) / static_cast<double>(looks.size());
+  return 1.0 + part * (shares.meets - shares.as_given) / std::max(looks.as_given(), kShareMore);
 }
 
-// A sample of a cloud's points, of those near its middle, wherever that lies.
-struct Sample {
-  std::vector<Eigen::Vector3d> points_m;
-  Eigen::Vector3d middle_m = Eigen::Vector3d::Zero();
+// A mounting between those that are tried: by turns of a few degrees about each axis, for as long as more points meet.
+Eigen::Matrix3d refined(const RobotLog& robot, const CloudLooks& looks, Eigen::Matrix3d R_body_sensor) {
+  double most = looks.of(turned_reading(robot, R_body_sensor)).meets;
+  for (double step_rad = kFirstTurn_rad; step_rad >= kFinestTurn_rad; step_rad /= 2.0) {
+    for (bool is_better = true; is_better;) {
+      is_better = false;
+      for (int turn = 0; turn < 6; ++turn) {
+        const Eigen::AngleAxisd by(turn < 3 ? step_rad : -step_rad, Eigen::Vector3d::Unit(turn % 3));
+        const Eigen::Matrix3d tried = R_body_sensor * by.toRotationMatrix();
+        const double meets = looks.of(turned_reading(robot, tried)).meets;
+        if (meets <= most) continue;
+        most = meets;
+        R_body_sensor = tried;
+        is_better = true;
+      }
+    }
+  }
+  return R_body_sensor;
+}
+
+struct Tried {
+  Reading reading;
+  Shares shares;
+  double gain = 1.0;
 };
 
-double median_of(std::vector<float> values) {
-  const auto half = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), half, values.end());
-  return static_cast<double>(*half);
-}
-
-Sample sample_of(const RobotLog& robot, std::size_t i) {
-  Sample sample;
-  const Expected<PointCloud> cloud = robot.read_cloud(i);
-  if (!cloud || cloud->points_m.empty()) return sample;
-  for (Eigen::Index axis = 0; axis < 3; ++axis) {
-    std::vector<float> column(cloud->points_m.size());
-    std::transform(cloud->points_m.begin(), cloud->points_m.end(), column.begin(),
-                   [&](const Eigen::Vector3f& point_m) { return point_m[axis]; });
-    sample.middle_m[axis] = median_of(std::move(column));
+std::vector<Tried> try_all(std::span<const RobotLog> robots, std::size_t place, const CloudLooks& looks) {
+  std::vector<Tried> all;
+  for (Reading& reading : other_readings(robots, place)) {
+    const Shares shares = looks.of(reading);
+    all.push_back({std::move(reading), shares, gain_of(shares, looks)});
   }
-  const std::size_t stride = cloud->points_m.size() / kMostPoints + 1;
-  for (std::size_t k = 0; k < cloud->points_m.size(); k += stride) {
-    const Eigen::Vector3d point_m = cloud->points_m[k].cast<double>();
-    if ((point_m - sample.middle_m).norm() < kNear_m) sample.points_m.push_back(point_m);
+  const auto better = [](const Tried& a, const Tried& b) { return a.gain < b.gain; };
+  const auto best = std::max_element(all.begin(), all.end(), better);
+  const bool may_be_turned =
+      best->reading.kind == PoseReading::kTurned || best->shares.meets < kFitsWell * looks.next_meets();
+  if (!may_be_turned || robots[place].finished_submaps) return all;
+  const RobotLog& robot = robots[place];
+  Eigen::Matrix3d from = Eigen::Matrix3d::Identity();
+  double most = 1.0;
+  for (const Tried& tried : all) {
+    if (tried.reading.kind != PoseReading::kTurned || tried.gain <= most) continue;
+    most = tried.gain;
+    from = tried.reading.R_body_sensor;
   }
-  return sample;
+  Tried mounting{turned_reading(robot, refined(robot, looks, from)), {}, 1.0};
+  if (Eigen::AngleAxisd(mounting.reading.R_body_sensor).angle() < kLeastMounting_rad) return all;
+  mounting.shares = looks.of(mounting.reading);
+  mounting.gain = gain_of(mounting.shares, looks);
+  // By itself a turn that ends near a plain one is that one.
+  if (mounting.gain * kSameShare > best->gain) all.insert(all.begin(), std::move(mounting));
+  return all;
 }
 
-// RMS distance from their mean. [m]
-double spread_m(const std::vector<Eigen::Vector3d>& places_m) {
-  Eigen::Vector3d mean_m = Eigen::Vector3d::Zero();
-  for (const Eigen::Vector3d& place_m : places_m) mean_m += place_m / static_cast<double>(places_m.size());
-  double squares_m2 = 0.0;
-  for (const Eigen::Vector3d& place_m : places_m) squares_m2 += (place_m - mean_m).squaredNorm();
-  return std::sqrt(squares_m2 / static_cast<double>(places_m.size()));
+bool is_clear(const Shares& shares) {
+  const bool is_on_average = shares.meets > kMoreMeet * shares.as_given;
+  // Along straight ways most readings are the same.
+  const bool is_at_some = shares.better >= kFewestLooks && shares.gain_there > kMoreMeetAtSome;
+  return (is_on_average || is_at_some) && shares.meets > shares.as_given + kShareMore;
 }
 
-double share_that_meets(const std::vector<Eigen::Vector3d>& points_m, const Pose3& T_map_points, const VoxelMap& map) {
-  if (points_m.empty()) return 0.0;
-  const auto met = std::count_if(points_m.begin(), points_m.end(), [&](const Eigen::Vector3d& point_m) {
-    return map.find_voxel(voxel_at(T_map_points * point_m, kVoxel_m)) >= 0;
-  });
-  return static_cast<double>(met) / static_cast<double>(points_m.size());
+OtherReading to_reading(const Reading& reading, const Shares& shares) {
+  return {reading.kind, shares.as_given, shares.meets, reading.how};
+}
+
+// The plainest of those as good as the best, if it is clear and meets as it should. A level robot's y axis turned over
+// is the same as a sensor on its head.
+std::optional<OtherReading> plainest(const std::vector<Tried>& all, double next_meets) {
+  double most = 0.0;
+  for (const Tried& tried : all) most = std::max(most, tried.gain);
+  const auto is_as_good = [&](const Tried& tried) { return tried.gain >= kSameShare * most; };
+  const auto first = std::find_if(all.begin(), all.end(), is_as_good);
+  const double meets = first->shares.meets;
+  if (!is_clear(first->shares) || meets < std::max(kFewMeet, kLikeNext * next_meets)) return std::nullopt;
+  OtherReading found = to_reading(first->reading, first->shares);
+  const auto looks_alike = [](PoseReading kind) {
+    return kind == PoseReading::kMirrored || kind == PoseReading::kTurned || kind == PoseReading::kOtherRobot;
+  };
+  std::vector<PoseReading> told = {found.reading};
+  for (auto tried = first; tried != all.end() && looks_alike(found.reading); ++tried) {
+    const PoseReading kind = tried->reading.kind;
+    if (!looks_alike(kind) || !is_as_good(*tried) || std::find(told.begin(), told.end(), kind) != told.end()) continue;
+    if (found.reading == PoseReading::kTurned && kind == PoseReading::kMirrored) continue;
+    told.push_back(kind);
+    found.how += ", or " + tried->reading.how;
+  }
+  return found;
 }
 
 }  // namespace
 
-std::optional<OtherReading> find_other_reading(const RobotLog& robot) {
+std::optional<OtherReading> find_other_reading(std::span<const RobotLog> robots, std::size_t place) {
+  const RobotLog& robot = robots[place];
   if (!robot.read_cloud) return std::nullopt;
-  const std::vector<Pair> pairs = some_pairs(robot);
-  if (pairs.size() < kFewestPairs) return std::nullopt;
-  OtherReading in_world{PoseReading::kCloudsInWorld, 0.0, 0.0};
-  OtherReading inverse{PoseReading::kInverse, 0.0, 0.0};
-  double next_meets = 0.0;  // of the next cloud's points, wherever it may be: what a right reading comes near
-  std::vector<Eigen::Vector3d> sensors_m;
-  std::vector<Eigen::Vector3d> off_sensors_m;  // middles of clouds from where the poses have their sensors
-  for (const auto& [i, k] : pairs) {
-    const Sample first = sample_of(robot, i);
-    const Sample second = sample_of(robot, k);
-    MapBuilder builder({.resolution_m = kVoxel_m});
-    builder.insert_points(first.points_m);
-    const VoxelMap map = builder.finish();
-    const Pose3& T_first = robot.T_world_cloud[i];
-    const Pose3& T_second = robot.T_world_cloud[k];
-    const double part = 1.0 / static_cast<double>(pairs.size());
-    in_world.as_given += part * share_that_meets(second.points_m, T_first.inverse() * T_second, map);
-    in_world.otherwise += part * share_that_meets(second.points_m, Pose3(), map);
-    inverse.otherwise += part * share_that_meets(second.points_m, T_first * T_second.inverse(), map);
-    const Pose3& T_next = robot.T_world_cloud[i + 1];
-    const Sample next = i + 1 == k ? second : sample_of(robot, i + 1);
-    const auto next_at = [&](const Pose3& T_first_next) { return share_that_meets(next.points_m, T_first_next, map); };
-    next_meets +=
-        part * std::max({next_at(Pose3()), next_at(T_first.inverse() * T_next), next_at(T_first * T_next.inverse())});
-    sensors_m.push_back(T_first.translation_m());
-    off_sensors_m.emplace_back(first.middle_m - T_first.translation_m());
+  const CloudLooks looks(robot);
+  if (looks.empty()) return std::nullopt;
+  const std::optional<OtherReading> other = plainest(try_all(robots, place, looks), looks.next_meets());
+  if (looks.go_along()) {
+    const Reading in_world{
+        PoseReading::kCloudsInWorld, "without their poses", [](std::size_t) { return std::optional(Pose3()); }, {}};
+    const Shares shares = looks.of(in_world);
+    if (is_clear(shares) && (!other || shares.meets >= kSameShare * other->otherwise)) {
+      return to_reading(in_world, shares);
+    }
   }
-  inverse.as_given = in_world.as_given;
-  // The robot's own body and the rings on the floor around it meet wherever it goes, in the sensor's frame. Clouds in
-  // the world's frame go along with the poses.
-  const double most_stray = robot.finished_submaps ? kSubmapsGoAlong : kGoAlong;
-  const bool go_along = spread_m(off_sensors_m) < most_stray * spread_m(sensors_m);
-  const OtherReading& better = go_along && in_world.otherwise > inverse.otherwise ? in_world : inverse;
-  const bool is_clear =
-      better.otherwise > kMoreMeet * better.as_given && better.otherwise > better.as_given + kShareMore;
-  if (is_clear && (better.reading != PoseReading::kInverse || better.otherwise > kLikeNext * next_meets)) return better;
+  if (other) return other;
   // Finished submaps lie too far apart for what else they show to mean much.
+  const double next_near = looks.next_meets_near();
   const bool is_neither =
-      !robot.finished_submaps && next_meets > kShareMore && better.as_given < kUnlikeNext * next_meets;
-  return is_neither ? std::optional(OtherReading{PoseReading::kNeither, better.as_given, next_meets}) : std::nullopt;
+      !robot.finished_submaps && next_near > kFewMeet && looks.as_given_near() < kUnlikeNext * next_near;
+  if (!is_neither) return std::nullopt;
+  return OtherReading{PoseReading::kNeither, looks.as_given_near(), next_near, {}};
 }
 
 }  // namespace kilter

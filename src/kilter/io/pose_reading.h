@@ -2,7 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <optional>
+#include <span>
+#include <string>
 
 #include "kilter/submap/robot_log.h"
 
@@ -12,19 +15,30 @@ namespace kilter {
 enum class PoseReading {
   kCloudsInWorld,  ///< clouds are in the world's frame already
   kInverse,        ///< poses are T_cloud_world
+  kTransposed,     ///< positions are right, and rotations those of T_cloud_world
+  kScalarFirst,    ///< quaternions were written qw first
+  kOtherRobot,     ///< poses are those of another robot of the mission
+  kShifted,        ///< each cloud belongs to the pose of a cloud that comes somewhat later or earlier
+  kTurned,         ///< poses are the vehicle's, whose sensor is mounted turned
+  kMirrored,       ///< axes are left-handed
+  kOtherAxes,      ///< positions have other axes than rotations
   kNeither,        ///< none of these: poses are not of these clouds, or not of their sensor
 };
 
 /// How much better clouds meet if their poses are read otherwise.
 struct OtherReading {
   PoseReading reading = PoseReading::kCloudsInWorld;
-  double as_given = 0.0;   ///< share of points that meet the cloud of a pose one to three metres away
+  double as_given = 0.0;   ///< share of points that meet the cloud of a pose one to three metres or half a radian away
   double otherwise = 0.0;  ///< under the reading; of kNeither, share that meets the next cloud, wherever that is
+  std::string how;         ///< ends "clouds meet each other ..."; empty of kNeither
 };
 
-/// Looks at some clouds, a few metres of way between two of them, for a reading under which they meet far better than
-/// as given, and at the next clouds to see how well they should. \return  kNeither where they hardly meet under any;
-/// nothing where they meet as given, where the robot hardly moves, or where clouds cannot be read.
-[[nodiscard]] std::optional<OtherReading> find_other_reading(const RobotLog& robot);
+/// Looks at some clouds, a few metres of way or a turn between two of them, for a reading of the poses of the robot at
+/// `place` under which they meet far better than as given, and at the next clouds to see how well they should.
+/// A level robot cannot tell a mirror from a sensor on its head: then `how` names both.
+/// \return  kNeither where they hardly meet under any; nothing where they meet as given, where the robot hardly moves,
+///          or where clouds cannot be read.
+/// Cost: reads up to three dozen clouds, and some 200 look-ups for each of 6,000 points of a dozen.
+[[nodiscard]] std::optional<OtherReading> find_other_reading(std::span<const RobotLog> robots, std::size_t place);
 
 }  // namespace kilter

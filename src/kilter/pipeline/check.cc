@@ -200,6 +200,7 @@ tl::unexpected<Error> stopped() { return fail(ErrorCode::kCancelled, "stopped on
 // Algorithm 1 of the paper, with every candidate accounted for and a verdict that does not rest on Gamma alone.
 Expected<Result> check(const std::vector<RobotLog>& robots, const CheckOptions& asked,
                        const std::map<std::string, std::vector<ScanRange>>& cuts, const CheckRun& run) {
+  if (auto fit = validate(asked); !fit) return pass_up(fit.error());
   const CheckOptions options = resolved(asked);
   Result result;
   result.resolution_m = options.submap.occupancy.resolution_m;

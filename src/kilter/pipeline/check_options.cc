@@ -1,5 +1,7 @@
 // SPDX-FileCopyrightText: The kilter authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <iterator>
 
@@ -26,6 +28,18 @@ std::vector<OptionField> fields(CheckOptions& o) {
   append(fields(o.judge));
   append(fields(o.picture));
   return all;
+}
+
+Expected<void> validate(const CheckOptions& o) {
+  constexpr double kMostVoxels = 200.0;
+  if (auto fit = validate(o.submap.occupancy); !fit) return pass_up(fit.error());
+  const double d_m = o.matching.max_distance_m;
+  const double resolution_m = o.submap.occupancy.resolution_m;
+  if (d_m <= kMostVoxels * resolution_m * (1.0 + 1e-9)) return {};
+  return fail(ErrorCode::kConfig,
+              fmt::format("d: expected at most {:g} voxels, {:g} m at a resolution of {:g} m, found {:g} m",
+                          kMostVoxels, kMostVoxels * resolution_m, resolution_m, d_m),
+              {}, "lower d, or use a coarser resolution");
 }
 
 void apply_seed_preset(CheckOptions& o) {

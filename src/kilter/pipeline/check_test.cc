@@ -233,6 +233,17 @@ TEST(Check, MemoryBudgetAndCancellationEndTheRun) {
   EXPECT_EQ(check(two_robots({}), small_submaps(), {}, {.cancelled = &cancelled}).error().code, ErrorCode::kCancelled);
 }
 
+TEST(Check, RefusesASearchFartherThanMemoryAllows) {
+  CheckOptions options;
+  options.matching.max_distance_m = 20.0;
+  EXPECT_TRUE(validate(options));
+  options.matching.max_distance_m = 21.0;
+  const auto result = check({}, options, {}, {});
+  ASSERT_FALSE(result);
+  EXPECT_EQ(result.error().code, ErrorCode::kConfig);
+  EXPECT_EQ(result.error().message.substr(0, 3), "d: ");
+}
+
 TEST(CheckOptions, HoldEveryKeyOnce) {
   CheckOptions options;
   std::set<std::string> names;
