@@ -8,8 +8,6 @@
 #include <optional>
 #include <utility>
 
-#include "kilter/occupancy/map_builder.h"
-
 namespace kilter {
 namespace {
 
@@ -60,6 +58,16 @@ Sample sample_of(const RobotLog& robot, std::size_t i) {
   return sample;
 }
 
+constexpr int kHalfCells = static_cast<int>(kNear_m / kVoxel_m) + 2;
+constexpr std::size_t kCells = 2 * kHalfCells;  // on each axis
+
+// Number of the cell at which coordinates from the lowest one lie, if it is one of them.
+std::optional<std::size_t> cell_of(const Eigen::Vector3d& cells) {
+  if (!((cells.array() >= 0.0).all() && (cells.array() < static_cast<double>(kCells)).all())) return std::nullopt;
+  const Eigen::Matrix<std::size_t, 3, 1> at = cells.cast<std::size_t>();
+  return (at.z() * kCells + at.y()) * kCells + at.x();
+}
+
 // RMS distance from their mean. [m]
 double spread_m(const std::vector<Eigen::Vector3d>& places_m) {
   Eigen::Vector3d mean_m = Eigen::Vector3d::Zero();
@@ -69,15 +77,27 @@ double spread_m(const std::vector<Eigen::Vector3d>& places_m) {
   return std::sqrt(squares_m2 / static_cast<double>(places_m.size()));
 }
 
-double share_that_meets(const std::vector<Eigen::Vector3d>& points_m, const Pose3& T_map_points, const VoxelMap& map) {
-  if (points_m.empty()) return 0.0;
-  const auto met = std::count_if(points_m.begin(), points_m.end(), [&](const Eigen::Vector3d& point_m) {
-    return map.find_voxel(voxel_at(T_map_points * point_m, kVoxel_m)) >= 0;
-  });
-  return static_cast<double>(met) / static_cast<double>(points_m.size());
+}  // namespace
+
+CloudLooks::NearCells::NearCells(const std::vector<Eigen::Vector3d>& points_m, const Eigen::Vector3d& middle_m)
+    : low_((middle_m.array() / kVoxel_m).floor() - kHalfCells), holds_(kCells * kCells * kCells) {
+  for (const Eigen::Vector3d& point_m : points_m) {
+    if (const auto cell = cell_of(point_m / kVoxel_m - low_)) holds_[*cell] = true;
+  }
 }
 
-}  // namespace
+double CloudLooks::NearCells::share_of(const std::vector<Eigen::Vector3d>& points_m, const Pose3& T_cells_points,
+                                       std::size_t every) const {
+  const Eigen::Matrix3d turn = T_cells_points.rotation_matrix() / kVoxel_m;
+  const Eigen::Vector3d shift = T_cells_points.translation_m() / kVoxel_m - low_;
+  std::size_t met = 0;
+  std::size_t asked = 0;
+  for (std::size_t k = 0; k < points_m.size(); k += every, ++asked) {
+    const auto cell = cell_of(turn * points_m[k] + shift);
+    if (cell && holds_[*cell]) ++met;
+  }
+  return asked > 0 ? static_cast<double>(met) / static_cast<double>(asked) : 0.0;
+}
 
 CloudLooks::CloudLooks(const RobotLog& robot) : robot_(robot) {
   std::vector<Pair> way = pairs_on_the_way();
@@ -89,7 +109,7 @@ CloudLooks::CloudLooks(const RobotLog& robot) : robot_(robot) {
   for (const Pair& pair : pairs_in_turns()) look_at(pair, false);
 }
 
-Shares CloudLooks::of(const Reading& reading) const {
+Shares CloudLooks::of(const Reading& reading, std::size_t every) const {
   Shares shares;
   Shares better;
   double way = 0.0;
@@ -101,7 +121,7 @@ Shares CloudLooks::of(const Reading& reading) const {
     if (!T_first || !T_second) continue;
     way += way_m(*T_first, *T_second);
     way_as_given += way_m(first_pose(look), second_pose(look));
-    const double meets = share_that_meets(look.second_m, T_first->inverse() * *T_second, look.first);
+    const double meets = look.first.share_of(look.second_m, T_first->inverse() * *T_second, every);
     shares.meets += meets;
     shares.as_given += as_given_[k];
     ++shares.looks;
@@ -186,9 +206,7 @@ std::vector<CloudLooks::Pair> CloudLooks::pairs_in_turns() const {
 void CloudLooks::look_at(const Pair& pair, bool is_near) {
   Look look{pair, is_near, {}, {}, {}};
   const Sample first = sample_of(robot_, pair.first);
-  MapBuilder builder({.resolution_m = kVoxel_m});
-  builder.insert_points(first.points_m);
-  look.first = builder.finish();
+  look.first = NearCells(first.points_m, first.middle_m);
   look.second_m = sample_of(robot_, pair.second).points_m;
   const std::vector<Eigen::Vector3d> next_m =
       pair.first + 1 == pair.second ? look.second_m : sample_of(robot_, pair.first + 1).points_m;
@@ -196,8 +214,8 @@ void CloudLooks::look_at(const Pair& pair, bool is_near) {
   const Pose3& T_first = first_pose(look);
   const Pose3& T_second = second_pose(look);
   const Pose3& T_next = robot_.T_world_cloud[pair.first + 1];
-  as_given_.push_back(share_that_meets(look.second_m, T_first.inverse() * T_second, look.first));
-  const auto next_at = [&](const Pose3& T) { return share_that_meets(next_m, T, look.first); };
+  as_given_.push_back(look.first.share_of(look.second_m, T_first.inverse() * T_second, 1));
+  const auto next_at = [&](const Pose3& T) { return look.first.share_of(next_m, T, 1); };
   next_meets_.push_back(
       std::max({next_at(Pose3()), next_at(T_first.inverse() * T_next), next_at(T_first * T_next.inverse())}));
   looks_.push_back(std::move(look));

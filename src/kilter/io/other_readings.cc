@@ -5,7 +5,9 @@
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <array>
+#include <cstdint>
 #include <cstdlib>
 #include <numbers>
 
@@ -14,7 +16,8 @@
 namespace kilter {
 namespace {
 
-constexpr int kMostClouds = 10;   // that a list of poses may be ahead or behind
+constexpr int kMostClouds = 10;  // that a list of poses may be ahead or behind
+constexpr std::size_t kMostOthers = 20;
 constexpr int kYawStep_deg = 10;  // finer mountings are found from the nearest of these
 constexpr double kDegrees = 180.0 / std::numbers::pi;
 
@@ -43,6 +46,20 @@ std::string names_of(const Eigen::Matrix3d& axes) {
     names += fmt::format("{}{}{}", k == 0 ? "" : ", ", axes(row, k) < 0.0 ? "-" : "", "xyz"[row]);
   }
   return names;
+}
+
+// The other robots, those first that have about as many clouds; of hundreds some.
+std::vector<std::size_t> likely_exchanged(std::span<const RobotLog> robots, std::size_t place) {
+  const auto clouds = [&](std::size_t k) { return static_cast<std::int64_t>(robots[k].T_world_cloud.size()); };
+  std::vector<std::size_t> others;
+  for (std::size_t k = 0; k < robots.size(); ++k) {
+    if (k != place) others.push_back(k);
+  }
+  std::stable_sort(others.begin(), others.end(), [&](std::size_t a, std::size_t b) {
+    return std::abs(clouds(a) - clouds(place)) < std::abs(clouds(b) - clouds(place));
+  });
+  others.resize(std::min(others.size(), kMostOthers));
+  return others;
 }
 
 bool keeps_z(const Eigen::Matrix3d& axes) { return axes(2, 2) > 0.5; }
@@ -81,12 +98,13 @@ std::vector<Reading> other_readings(std::span<const RobotLog> robots, std::size_
                         const Eigen::Quaterniond& q = poses[i].rotation();
                         return Pose3(Eigen::Quaterniond(q.x(), q.y(), q.z(), q.w()), poses[i].translation_m());
                       }});
-  for (std::size_t k = 0; k < robots.size(); ++k) {
-    if (k == place) continue;
-    readings.push_back({PoseReading::kOtherRobot, fmt::format("under the poses of {}", printable(robots[k].name)),
+  for (const std::size_t k : likely_exchanged(robots, place)) {
+    readings.push_back({PoseReading::kOtherRobot,
+                        fmt::format("under the poses of {}", printable(robots[k].name)),
                         [&theirs = robots[k].T_world_cloud](std::size_t i) {
                           return i < theirs.size() ? std::optional(theirs[i]) : std::nullopt;
-                        }});
+                        },
+                        {}});
   }
   for (int n = 1; n <= kMostClouds && !robot.finished_submaps; ++n) {
     for (const int by : {n, -n}) {

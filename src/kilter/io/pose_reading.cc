@@ -22,9 +22,12 @@ constexpr double kLikeNext = 0.85;
 // Where a mounting was left out and is none that is tried, inverted poses fit better too, and reach 0.39 to 0.64, and
 // 0.03 to 0.16 meet as given.
 constexpr double kUnlikeNext = 0.25;
-constexpr double kFitsWell = 0.9;    // of the next cloud: needs no finer search
-constexpr double kFewMeet = 0.1;     // of the next cloud
-constexpr double kSameShare = 0.98;  // of the best: as good
+constexpr std::size_t kFewPoints = 4;  // each fourth tells which readings are worth all of them,
+constexpr double kLikely = 0.95;       // this near to the best
+constexpr double kLeastGain = 1.05;    // less is never clear
+constexpr double kFitsWell = 0.9;      // of the next cloud: needs no finer search
+constexpr double kFewMeet = 0.1;       // of the next cloud
+constexpr double kSameShare = 0.98;    // of the best: as good
 constexpr double kFirstTurn_rad = 0.08;
 constexpr double kFinestTurn_rad = 0.02;
 constexpr double kLeastMounting_rad = 0.05;
@@ -39,14 +42,14 @@ double gain_of(const Shares& shares, const CloudLooks& looks) {
 
 // A mounting between those that are tried: by turns of a few degrees about each axis, for as long as more points meet.
 Eigen::Matrix3d refined(const RobotLog& robot, const CloudLooks& looks, Eigen::Matrix3d R_body_sensor) {
-  double most = looks.of(turned_reading(robot, R_body_sensor)).meets;
+  double most = looks.of(turned_reading(robot, R_body_sensor), kFewPoints).meets;
   for (double step_rad = kFirstTurn_rad; step_rad >= kFinestTurn_rad; step_rad /= 2.0) {
     for (bool is_better = true; is_better;) {
       is_better = false;
       for (int turn = 0; turn < 6; ++turn) {
         const Eigen::AngleAxisd by(turn < 3 ? step_rad : -step_rad, Eigen::Vector3d::Unit(turn % 3));
         const Eigen::Matrix3d tried = R_body_sensor * by.toRotationMatrix();
-        const double meets = looks.of(turned_reading(robot, tried)).meets;
+        const double meets = looks.of(turned_reading(robot, tried), kFewPoints).meets;
         if (meets <= most) continue;
         most = meets;
         R_body_sensor = tried;
@@ -65,9 +68,16 @@ struct Tried {
 
 std::vector<Tried> try_all(std::span<const RobotLog> robots, std::size_t place, const CloudLooks& looks) {
   std::vector<Tried> all;
+  double likely = 0.0;
   for (Reading& reading : other_readings(robots, place)) {
-    const Shares shares = looks.of(reading);
+    const Shares shares = looks.of(reading, kFewPoints);
     all.push_back({std::move(reading), shares, gain_of(shares, looks)});
+    likely = std::max(likely, all.back().gain);
+  }
+  for (Tried& tried : all) {
+    if (tried.gain < std::max(kLeastGain, kLikely * likely)) continue;
+    tried.shares = looks.of(tried.reading);
+    tried.gain = gain_of(tried.shares, looks);
   }
   const auto better = [](const Tried& a, const Tried& b) { return a.gain < b.gain; };
   const auto best = std::max_element(all.begin(), all.end(), better);
