@@ -17,6 +17,7 @@ namespace {
 using testing::furnished_room;
 using testing::MemorySpill;
 using testing::robot_log;
+using testing::Scene;
 
 std::vector<Pose3> loop_through_room(double start_x) {
   std::vector<Pose3> poses;
@@ -85,6 +86,37 @@ TEST(Check, ADisplacedRobotIsFoundWithItsOffset) {
       EXPECT_EQ(pair.verdict.verdict, Verdict::kInconsistent) << pair.verdict.reason;
       EXPECT_NEAR(pair.verdict.offset_m.value_or(0.0), 0.25, 0.02);
     }
+  }
+}
+
+// Walls, floor and ceiling fit wherever the other robot is along them; poles and a few pieces of furniture do not.
+TEST(Check, AShiftThatOnlyPolesAndFurnitureCarryIsFound) {
+  Scene scene = testing::bare_corridor();
+  for (const double x : {-9.1, -6.3, -3.4, -1.2, 1.7, 3.9, 6.8, 9.6}) {
+    const double y = x < 0.0 ? 1.1 : -1.2;
+    scene.push_back({{x, y, 0.0}, {x + 0.12, y + 0.12, 2.5}});
+  }
+  scene.push_back({{-4.6, -1.5, 0.4}, {-3.2, -1.05, 0.45}});  // a bench
+  scene.push_back({{4.6, 1.1, 0.0}, {5.3, 1.5, 0.9}});        // a bin
+  const auto a = testing::straight_path({-3.0, 0.1, 1.0}, {1.0, 0.0, 0.0}, 12, 0.5);
+  const auto b = testing::straight_path({-2.3, -0.2, 1.1}, {1.0, 0.0, 0.0}, 12, 0.5);
+  for (const double shift_m : {0.0, 0.3}) {
+    const auto believed = moved(b, Pose3::from_translation(shift_m, 0.0, 0.0));
+    const auto result = check({robot_log("a", scene, a, a, 1), robot_log("b", scene, b, believed, 2)}, small_submaps(),
+                              {}, {.threads = 2});
+    ASSERT_TRUE(result.has_value());
+    std::size_t found = 0;
+    for (const PairResult& pair : result->pairs) {
+      if (shift_m == 0.0 || pair.kind != PairKind::kGlobal) {
+        EXPECT_NE(pair.verdict.verdict, Verdict::kInconsistent) << pair.verdict.reason;
+        continue;
+      }
+      EXPECT_NE(pair.verdict.verdict, Verdict::kConsistent) << pair.verdict.reason;
+      if (pair.verdict.verdict != Verdict::kInconsistent) continue;
+      ++found;
+      EXPECT_NEAR(pair.verdict.offset_m.value_or(0.0), shift_m, 0.03);
+    }
+    EXPECT_EQ(found, shift_m > 0.0 ? 9U : 0U) << "all pairs between the robots";
   }
 }
 
