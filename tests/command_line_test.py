@@ -176,6 +176,7 @@ class Memory(unittest.TestCase):
     def test_a_size_that_is_none_is_refused_by_every_command(self):
         for command in (("check", "."), ("info", "."), ("register", "a.bin", "b.bin"), ("submaps", ".", "-o", "d"),
                         ("report", ".", "-o", "r.html"), ("simulate", "office", "-o", "d"), ("config", "show")):
+            self.assertEqual(run_kilter(*command, "--memory", "4iB").status, 2)
             run = run_kilter(*command, "--memory", "bogus")
             self.assertEqual((run.status, run.stdout), (2, ""), command)
             self.assertIn('--memory: expected a size such as 512M or 4G, found "bogus"', run.stderr)
@@ -206,7 +207,9 @@ class Explain(unittest.TestCase):
         self.assertIn("conflict_registered", evidence)
         others = ["offset_m", "offset_vector", "gap_m", "p_value", "p_inconsistent", "unobservable", "minimum_detectable_m",
                   "certificate_m", "certificate_excludes", "log_odds", "decided", "constraint", "cycles", "theta_oicp", "gamma_literal"]
-        others += ["overlap", "matched"]
+        others += ["overlap", "matched", "offset_interval_m", "offset_deg", "mu", "sigma", "mu_t", "var_t", "covariance",
+                   "covariance_scale", "log_probability", "too_little_overlap", "verdict", "reason", "kind", "sequential",
+                   "local", "global", "offset_low_m", "offset_high_m", "offset_x", "evidence_bend_m_log_ratio"]
         for key in evidence + others:
             run = run_kilter("explain", key)
             self.assertEqual((run.status, run.stderr), (0, ""), key)

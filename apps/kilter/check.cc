@@ -72,7 +72,7 @@ struct Job {
 constexpr std::array kSpoilsAll = std::to_array<std::string_view>(
     {"camera-frame", "millimetres", "time-jump", "pose-jump", "no-motion", "far-robot", "no-turns", "tumbles",
      "stamps-differ", "clouds-in-world", "inverse-poses", "transposed-rotations", "scalar-first", "swapped-poses",
-     "shifted-poses", "turned-sensor", "mirrored-poses", "other-axes", "poses-unfit"});
+     "shifted-poses", "turned-sensor", "mirrored-poses", "other-axes"});
 
 // What cannot be looked at is told when it is read.
 std::vector<Oddity> find_spoilers(const Mission& mission, const SubmapOptions& options) {

@@ -76,7 +76,7 @@ Expected<std::size_t> parse_memory(const std::string& text) {
   double number = 0.0;
   const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), number);
   std::string unit(end, text.data() + text.size());
-  if (unit.ends_with("iB")) unit.resize(unit.size() - 2);
+  if (unit.size() > 2 && unit.ends_with("iB")) unit.resize(unit.size() - 2);
   if (unit.ends_with("B")) unit.pop_back();
   constexpr std::string_view kUnits = "KMGT";
   double factor = 1.0;

@@ -103,6 +103,19 @@ constexpr std::array kFindings = {
           "Evidence: how well the next best pose fits, as a share of the best. Above 0.7 the registration is believed "
           "only if others around it agree. Known where the wide search ran."},
     Topic{"agreeing", "Evidence: how many registrations around a pair ask for the same correction, and for another."},
+    Topic{
+        "covariance",
+        "Of a pair's registration: 6x6, of a twist (x y z, then the rotation vector) along the source's axes; what the "
+        "scene does not fix has the width that odometry leaves it. `constraints.g2o` holds its inverse, as its reader "
+        "wants it."},
+    Topic{"kind",
+          "Of a pair: sequential (neighbours in a robot's path), local (the same robot, farther apart) or global (two "
+          "robots)."},
+    Topic{"reason",
+          "Why a pair or the map has its `verdict`, in words; of a pair that is unverified, what is missing."},
+    Topic{"too-little-overlap",
+          "Pairs of neighbouring submaps that were not tested, since they overlap less than `overlap_min` and "
+          "`matched_min` ask for."},
     Topic{"constraint",
           "Whether a pair's registration is handed on as an edge of constraints.g2o: the pair is decided, and by it."},
     Topic{"cycles",
@@ -122,6 +135,15 @@ constexpr std::array kFindings = {
         "Large means consistent. `gamma_literal` is without floors. A parallel offset can score as well as a good "
         "pair, so it is never a verdict by itself. null where fewer than `overlap_min` of the voxels or `matched_min` "
         "of them met, or their distances are no distribution: the paper asks for an overlap first."},
+    Topic{"mu",
+          "`mu`, `sigma`: the normal distribution, cut off at 0 and `d`, that the paper fits to a pair's distances "
+          "between "
+          "matched voxels; `mu_t`, `var_t` are that distribution's mean and variance as cut off, which Gamma is made "
+          "of."},
+    Topic{
+        "log-probability",
+        "The paper's Eq. (6) and (7): sums of the logarithms of the pairs' probabilities of being consistent, for each "
+        "robot, each two robots, and overall."},
     Topic{"theta",
           "Gamma after the pair was registered: as good as it gets for these two submaps. null where registration "
           "failed, or where at its pose the two overlap too little for Gamma."},
@@ -147,9 +169,15 @@ Expected<std::vector<Topic>> chosen(std::string code) {
     letter = letter == '_' ? '-' : static_cast<char>(std::tolower(static_cast<unsigned char>(letter)));
   }
   // Keys of the result are asked for as they stand there: offset_m, conflict_registered, theta_oicp, log10_gamma.
-  if (code.starts_with("log10-")) code.erase(0, 6);
+  for (const std::string_view begin : {"evidence-", "log10-"}) {
+    if (code.starts_with(begin)) code.erase(0, begin.size());
+  }
   if (code == "matched") code = "overlap";
-  for (const std::string_view end : {"-m", "-registered", "-excludes", "-literal", "-oicp", "-vector", "-rad"}) {
+  if (code == "verdict") code = "reason";
+  if (code == "sigma" || code == "mu-t" || code == "var-t") code = "mu";
+  if (code == "sequential" || code == "local" || code == "global") code = "kind";
+  for (const std::string_view end : {"-log-ratio", "-m", "-interval", "-low", "-high", "-deg", "-x", "-y", "-z",
+                                     "-registered", "-excludes", "-literal", "-oicp", "-vector", "-rad", "-scale"}) {
     if (code.size() > end.size() && code.ends_with(end)) code.resize(code.size() - end.size());
   }
   std::vector<std::string> names;
@@ -185,6 +213,9 @@ std::string as_text(const std::vector<Topic>& topics) {
 }
 
 int explain(const ExplainCommand& command) {
+  if (const Expected<Settings> settings = read_settings(command.common); !settings) {
+    return print_error(settings.error());
+  }
   const Expected<std::vector<Topic>> topics = chosen(command.code);
   if (!topics) return print_error(topics.error());
   const Expected<void> done = print_out(command.common.json ? as_json(*topics) : as_text(*topics));

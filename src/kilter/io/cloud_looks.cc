@@ -17,7 +17,11 @@ constexpr double kMostWay_m = 3.0;     // and more shows other places,
 constexpr double kLongestStep_m = 15;  // which have to do where clouds lie farther apart
 constexpr double kTurn_rad = 0.5;
 constexpr double kVoxel_m = 0.3;
-constexpr double kNear_m = 20.0;  // points beyond lie too far apart to meet
+constexpr double kBorder_m = 0.06;
+constexpr double kAtSensor_m = 0.1;      // where no return is written as zeros
+constexpr std::size_t kFewPoints = 300;  // tell nothing
+constexpr double kPoor = 0.7;            // of the next cloud's share
+constexpr double kNear_m = 20.0;         // points beyond lie too far apart to meet
 constexpr std::size_t kMostPoints = 6000;
 constexpr double kGoAlong = 0.5;  // of the sensor's way, that clouds' middles may stray from it
 // Middles of finished submaps say more of the rooms than of the way: 0.7 of it where they were in the world, 1.1 where
@@ -53,7 +57,8 @@ Sample sample_of(const RobotLog& robot, std::size_t i) {
   const std::size_t stride = cloud->points_m.size() / kMostPoints + 1;
   for (std::size_t k = 0; k < cloud->points_m.size(); k += stride) {
     const Eigen::Vector3d point_m = cloud->points_m[k].cast<double>();
-    if ((point_m - sample.middle_m).norm() < kNear_m) sample.points_m.push_back(point_m);
+    if (point_m.norm() > kAtSensor_m && (point_m - sample.middle_m).norm() < kNear_m)
+      sample.points_m.push_back(point_m);
   }
   return sample;
 }
@@ -81,8 +86,13 @@ double spread_m(const std::vector<Eigen::Vector3d>& places_m) {
 
 CloudLooks::NearCells::NearCells(const std::vector<Eigen::Vector3d>& points_m, const Eigen::Vector3d& middle_m)
     : low_((middle_m.array() / kVoxel_m).floor() - kHalfCells), holds_(kCells * kCells * kCells) {
+  // A surface that lies on a border of cells must not be lost by a hair.
   for (const Eigen::Vector3d& point_m : points_m) {
-    if (const auto cell = cell_of(point_m / kVoxel_m - low_)) holds_[*cell] = true;
+    for (int k = -3; k <= 3; ++k) {
+      Eigen::Vector3d near_m = point_m;
+      if (k != 0) near_m[std::abs(k) - 1] += k > 0 ? kBorder_m : -kBorder_m;
+      if (const auto cell = cell_of(near_m / kVoxel_m - low_)) holds_[*cell] = true;
+    }
   }
 }
 
@@ -105,8 +115,11 @@ CloudLooks::CloudLooks(const RobotLog& robot) : robot_(robot) {
   if (!are_near) way = pairs_of_neighbours();
   if (way.size() < kFewestLooks) return;
   for (const Pair& pair : way) look_at(pair, are_near);
-  if (robot.finished_submaps) return;
-  for (const Pair& pair : pairs_in_turns()) look_at(pair, false);
+  if (!robot.finished_submaps) {
+    for (const Pair& pair : pairs_in_turns()) look_at(pair, false);
+  }
+  if (looks_.size() >= kFewestLooks) return;
+  looks_.clear();
 }
 
 Shares CloudLooks::of(const Reading& reading, std::size_t every) const {
@@ -142,6 +155,18 @@ Shares CloudLooks::of(const Reading& reading, std::size_t every) const {
 
 double CloudLooks::mean(const std::vector<double>& shares) {
   return std::accumulate(shares.begin(), shares.end(), 0.0) / static_cast<double>(shares.size());
+}
+
+std::size_t CloudLooks::turns() const {
+  return static_cast<std::size_t>(std::count_if(looks_.begin(), looks_.end(), [&](const Look& look) {
+    return (first_pose(look).inverse() * second_pose(look)).angle_rad() >= kTurn_rad;
+  }));
+}
+
+std::size_t CloudLooks::poor() const {
+  std::size_t count = 0;
+  for (std::size_t k = 0; k < looks_.size(); ++k) count += as_given_[k] < kPoor * next_meets_[k] ? 1 : 0;
+  return count;
 }
 
 bool CloudLooks::go_along() const {
@@ -210,6 +235,7 @@ void CloudLooks::look_at(const Pair& pair, bool is_near) {
   look.second_m = sample_of(robot_, pair.second).points_m;
   const std::vector<Eigen::Vector3d> next_m =
       pair.first + 1 == pair.second ? look.second_m : sample_of(robot_, pair.first + 1).points_m;
+  if (std::min(first.points_m.size(), std::min(look.second_m.size(), next_m.size())) < kFewPoints) return;
   look.off_sensor_m = first.middle_m - first_pose(look).translation_m();
   const Pose3& T_first = first_pose(look);
   const Pose3& T_second = second_pose(look);

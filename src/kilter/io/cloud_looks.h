@@ -49,6 +49,11 @@ class CloudLooks {
   [[nodiscard]] double next_meets_near() const { return median_near(next_meets_); }
   [[nodiscard]] double as_given_near() const { return median_near(as_given_); }
 
+  /// How many pairs show a turn of half a radian or more. Along a straight way many readings are the same.
+  [[nodiscard]] std::size_t turns() const;
+  /// How many pairs meet far worse as given than the next cloud does.
+  [[nodiscard]] std::size_t poor() const;
+
   /// Whether clouds go along with the poses, as they do in the world's frame. The robot's own body and the rings on the
   /// floor around it meet wherever it goes, in the sensor's frame.
   [[nodiscard]] bool go_along() const;

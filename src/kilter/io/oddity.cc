@@ -87,7 +87,8 @@ std::span<const OddityTopic> oddity_catalog() {
                   "Clouds meet each other if their sensor looks another way than the poses, and not as they are: poses "
                   "are the vehicle's or another sensor's, and how this one is mounted was left out. The turn is known "
                   "to about two degrees; where the sensor sits cannot be told in this way.",
-                  "give the sensor's place on the robot as T_body_sensor, `x y z` and this quaternion"},
+                  "give the sensor's place on the robot as T_body_sensor, `x y z` and this quaternion (that of a "
+                  "T_body_sensor that is set, times this one)"},
       OddityTopic{"mirrored-poses",
                   "Clouds meet each other if axes of the poses are turned round or exchanged, and not as they are: one "
                   "of both has left-handed axes (game engines, y to the south, z down with x and y as before). A robot "
@@ -100,10 +101,11 @@ std::span<const OddityTopic> oddity_catalog() {
           "write positions and rotations in one frame"},
       OddityTopic{
           "poses-unfit",
-          "Clouds meet the next ones, but hardly those a few metres on, whichever way the poses are read: their "
-          "paths and turns are not these clouds'. Poses are the vehicle's and its sensor is mounted turned, or "
-          "they are another sensor's, or belong to other clouds.",
-          "give the sensor's place on the robot as T_body_sensor, or the poses of these clouds"},
+          "Clouds meet the next ones where nothing is moved, but hardly those a few metres on where the poses put "
+          "them. "
+          "Either their paths and turns are not these clouds' (another sensor's, of other clouds), or most of what is "
+          "seen goes along with the sensor: rings on bare ground, the robot's own body, profiles.",
+          "if walls and trunks stand in the clouds, give the poses of these clouds, or T_body_sensor"},
       OddityTopic{"stamps-differ",
                   "Clouds were paired with poses in order, and their stamps, or those in their names, are not those of "
                   "the poses: a cloud or a pose is missing somewhere, and all behind it go with the wrong one.",

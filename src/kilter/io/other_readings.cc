@@ -118,7 +118,7 @@ std::vector<Reading> other_readings(std::span<const RobotLog> robots, std::size_
            }});
     }
   }
-  for (int yaw_deg = kYawStep_deg; yaw_deg < 360; yaw_deg += kYawStep_deg) {
+  for (int yaw_deg = kYawStep_deg; yaw_deg < 360 && !robot.finished_submaps; yaw_deg += kYawStep_deg) {
     const Eigen::AngleAxisd yaw(yaw_deg / kDegrees, Eigen::Vector3d::UnitZ());
     readings.push_back(turned_reading(robot, yaw.toRotationMatrix()));
   }
@@ -127,7 +127,7 @@ std::vector<Reading> other_readings(std::span<const RobotLog> robots, std::size_
     for (const Eigen::Matrix3d& axes : ways) {
       if (keeps_z(axes) != is_level || axes.isIdentity()) continue;
       if (axes.determinant() > 0.0) {
-        if (!is_level) readings.push_back(turned_reading(robot, axes));
+        if (!is_level && !robot.finished_submaps) readings.push_back(turned_reading(robot, axes));
         continue;
       }
       readings.push_back({PoseReading::kMirrored, fmt::format("with axes read as ({})", names_of(axes)),

@@ -28,6 +28,9 @@ constexpr double kLeastGain = 1.05;    // less is never clear
 constexpr double kFitsWell = 0.9;      // of the next cloud: needs no finer search
 constexpr double kFewMeet = 0.1;       // of the next cloud
 constexpr double kSameShare = 0.98;    // of the best: as good
+constexpr std::size_t kFewestTurns = 3;
+constexpr double kSmallTurn_rad = 0.2;  // that a map which is bent may fit better with
+constexpr double kNearlyAsGood = 0.9;
 constexpr double kFirstTurn_rad = 0.08;
 constexpr double kFinestTurn_rad = 0.02;
 constexpr double kLeastMounting_rad = 0.05;
@@ -121,6 +124,11 @@ std::optional<OtherReading> plainest(const std::vector<Tried>& all, double next_
   const auto first = std::find_if(all.begin(), all.end(), is_as_good);
   const double meets = first->shares.meets;
   if (!is_clear(first->shares) || meets < std::max(kFewMeet, kLikeNext * next_meets)) return std::nullopt;
+  const bool is_shift = first->reading.kind == PoseReading::kShifted;
+  const auto is_no_shift = [&](const Tried& tried) {
+    return is_as_good(tried) && tried.reading.kind != PoseReading::kShifted;
+  };
+  if (is_shift && std::any_of(all.begin(), all.end(), is_no_shift)) return std::nullopt;
   OtherReading found = to_reading(first->reading, first->shares);
   const auto looks_alike = [](PoseReading kind) {
     return kind == PoseReading::kMirrored || kind == PoseReading::kTurned || kind == PoseReading::kOtherRobot;
@@ -136,6 +144,25 @@ std::optional<OtherReading> plainest(const std::vector<Tried>& all, double next_
   return found;
 }
 
+// Walls leave their cells where a map is bent by some centimetres a metre, and any reading that keeps them parallel
+// fits better. So it has to fit better in turns, and than a turn of a few degrees would.
+bool is_more_than_a_bend(const RobotLog& robot, const CloudLooks& looks, const OtherReading& found) {
+  if (found.reading == PoseReading::kInverse) return true;
+  if (looks.turns() < kFewestTurns) return false;
+  if (robot.finished_submaps || found.reading == PoseReading::kTurned) return true;
+  const Eigen::Matrix3d turn = refined(robot, looks, Eigen::Matrix3d::Identity());
+  if (Eigen::AngleAxisd(turn).angle() > kSmallTurn_rad) return true;
+  return looks.of(turned_reading(robot, turn)).meets < kNearlyAsGood * found.otherwise;
+}
+
+std::optional<OtherReading> likelier_reading(std::span<const RobotLog> robots, std::size_t place,
+                                             const CloudLooks& looks) {
+  if (looks.poor() == 0 && looks.as_given() > kLikeNext * looks.next_meets()) return std::nullopt;
+  std::optional<OtherReading> found = plainest(try_all(robots, place, looks), looks.next_meets());
+  if (found && !is_more_than_a_bend(robots[place], looks, *found)) found.reset();
+  return found;
+}
+
 }  // namespace
 
 std::optional<OtherReading> find_other_reading(std::span<const RobotLog> robots, std::size_t place) {
@@ -143,7 +170,7 @@ std::optional<OtherReading> find_other_reading(std::span<const RobotLog> robots,
   if (!robot.read_cloud) return std::nullopt;
   const CloudLooks looks(robot);
   if (looks.empty()) return std::nullopt;
-  const std::optional<OtherReading> other = plainest(try_all(robots, place, looks), looks.next_meets());
+  const std::optional<OtherReading> other = likelier_reading(robots, place, looks);
   if (looks.go_along()) {
     const Reading in_world{
         PoseReading::kCloudsInWorld, "without their poses", [](std::size_t) { return std::optional(Pose3()); }, {}};

@@ -183,10 +183,50 @@ TEST(FindOtherReading, LooksAtCloudsFarApartWhereThereAreNoOthers) {
   EXPECT_EQ(found->reading, PoseReading::kTransposed) << found->how;
 }
 
+// An aisle whose walls drift sideways by 10 cm a metre: kept parallel they fit better, and no reading is right.
+TEST(FindOtherReading, TakesAMapThatIsBentForNoOtherReading) {
+  std::vector<Pose3> truth;
+  for (int i = 0; i < 40; ++i) truth.push_back(Pose3::from_translation(0.5 * i, 0.0, 1.0));
+  RobotLog log = log_of(truth);
+  log.read_cloud = [truth](std::size_t scan) -> Expected<PointCloud> {
+    PointCloud cloud;
+    for (int i = 0; i < 2400; ++i) {
+      const Eigen::Vector3d at_m(truth[scan].translation_m().x() + 0.01 * (i % 1200) - 6.0, i < 1200 ? 1.5 : -1.5,
+                                 0.1 * (i % 25));
+      const Eigen::Vector3f seen_m = (truth[scan].inverse() * at_m).cast<float>();
+      cloud.add(seen_m.x(), seen_m.y(), seen_m.z());
+    }
+    return cloud;
+  };
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    log.T_world_cloud[i] = Pose3::from_translation(0.5 * static_cast<double>(i), 0.1 * static_cast<double>(i), 1.0);
+  }
+  EXPECT_FALSE(find_other_reading(std::array{log}, 0));
+}
+
+// All z are 0, on a border of cells, and the poses go down by less than any sensor knows.
+TEST(FindOtherReading, LosesNoSurfaceOnABorderOfCells) {
+  const std::vector<Pose3> truth = round_the_corners();
+  RobotLog log = log_of(truth);
+  const auto solid = log.read_cloud;
+  log.read_cloud = [solid](std::size_t i) -> Expected<PointCloud> {
+    PointCloud flat;
+    const Expected<PointCloud> cloud = solid(i);
+    for (const Eigen::Vector3f& point_m : cloud->points_m) flat.add(point_m.x(), point_m.y(), 0.0F);
+    return flat;
+  };
+  EXPECT_FALSE(find_other_reading(std::array{log}, 0));
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    log.T_world_cloud[i] = Pose3::from_translation(0.0, 0.0, -1e-9 * static_cast<double>(i)) * truth[i];
+  }
+  EXPECT_FALSE(find_other_reading(std::array{log}, 0));
+}
+
 TEST(FindOtherReading, SaysThatNoneFits) {
   const auto found = read_after([](const auto& truth, std::size_t i) {
     Rng rng(3, i);
-    return Pose3(yaw(rng.uniform(-3.0, 3.0)), truth[i].translation_m());
+    return Pose3(yaw(rng.uniform(-3.0, 3.0)),
+                 truth[i].translation_m() + rng.uniform(-2.0, 2.0) * Eigen::Vector3d::UnitZ());
   });
   ASSERT_TRUE(found);
   EXPECT_EQ(found->reading, PoseReading::kNeither);

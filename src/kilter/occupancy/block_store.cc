@@ -99,21 +99,26 @@ void BlockStore::update(SurfaceBlock& surface, Marks marks) const {
   }
 }
 
-void BlockStore::finish_block(const Block& block, VoxelBlock& out, std::vector<float>& log_odds) const {
+void BlockStore::finish_block(const Block& block, bool points_alone, VoxelBlock& out,
+                              std::vector<float>& log_odds) const {
   for (std::size_t z = 0; z < kBlockSize; ++z) {
     const std::size_t first = kLayer * z;
     std::uint64_t known = block.surface ? block.surface->known[z] : nonzero_bits(block.misses->data() + first);
     for (; known != 0; known &= known - 1) {
       const std::size_t i = first + static_cast<std::size_t>(std::countr_zero(known));
       const float value = block.surface ? block.surface->log_odds[i] : after_misses_[(*block.misses)[i]];
-      const bool occupied = model_.is_occupied(value);
-      (occupied ? out.occupied : out.free)[z] |= known & (~known + 1);
-      if (occupied) log_odds.push_back(value);
+      const std::uint64_t bit = known & (~known + 1);
+      if (points_alone || model_.is_occupied(value)) {
+        out.occupied[z] |= bit;
+        log_odds.push_back(value);
+      } else if (model_.is_free(value)) {
+        out.free[z] |= bit;
+      }
     }
   }
 }
 
-BlockStore::Finished BlockStore::finish() {
+BlockStore::Finished BlockStore::finish(bool points_alone) {
   held_bytes_ = 0;
   std::vector<std::uint32_t> order(blocks_.size());
   std::iota(order.begin(), order.end(), 0U);
@@ -125,7 +130,7 @@ BlockStore::Finished BlockStore::finish() {
     VoxelBlock& out = finished.blocks.emplace_back();
     out.key = keys[number];
     out.first_voxel = static_cast<std::uint32_t>(finished.log_odds.size());
-    finish_block(blocks_[number], out, finished.log_odds);
+    finish_block(blocks_[number], points_alone, out, finished.log_odds);
     out.voxel_count = static_cast<std::uint32_t>(finished.log_odds.size()) - out.first_voxel;
     blocks_[number] = {};
   }

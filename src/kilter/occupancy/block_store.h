@@ -23,6 +23,8 @@ class LogOddsModel {
   [[nodiscard]] float after_hit(float value) const { return std::min(value + hit_, max_); }
   [[nodiscard]] float after_miss(float value) const { return std::max(value + miss_, min_); }
   [[nodiscard]] bool is_occupied(float value) const { return value >= threshold_; }
+  /// Where more must have been hit than missed, and was not, neither is known.
+  [[nodiscard]] bool is_free(float value) const { return value < std::min(threshold_, 0.0F); }
 
  private:
   float hit_;
@@ -49,11 +51,12 @@ class BlockStore {
   [[nodiscard]] std::size_t held_bytes() const { return held_bytes_; }
 
   /// All blocks sorted by key, as VoxelMap has them, and the occupied voxels' log-odds. The store is empty afterwards.
+  /// \param points_alone  nothing was ever missed: what is there is occupied, wherever the threshold lies.
   struct Finished {
     std::vector<VoxelBlock> blocks;
     std::vector<float> log_odds;
   };
-  [[nodiscard]] Finished finish();
+  [[nodiscard]] Finished finish(bool points_alone = false);
 
  private:
   // Misses of each voxel, counted up to where they no longer change it; 0 is unknown.
@@ -70,7 +73,7 @@ class BlockStore {
   void count_misses(MissBlock& misses, Marks marks) const;
   [[nodiscard]] std::unique_ptr<SurfaceBlock> surface_of(const MissBlock& misses) const;
   void update(SurfaceBlock& surface, Marks marks) const;
-  void finish_block(const Block& block, VoxelBlock& out, std::vector<float>& log_odds) const;
+  void finish_block(const Block& block, bool points_alone, VoxelBlock& out, std::vector<float>& log_odds) const;
 
   LogOddsModel model_;
   std::vector<float> after_misses_;  // log-odds after so many misses and nothing else

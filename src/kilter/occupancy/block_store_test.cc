@@ -40,7 +40,7 @@ void expect_the_log_odds_of_floats(const OccupancyOptions& options, double hits)
     const bool occupied = (block.occupied[i / 64] >> (i % 64) & 1) != 0;
     const bool free = (block.free[i / 64] >> (i % 64) & 1) != 0;
     ASSERT_EQ(occupied, known[i] && model.is_occupied(log_odds[i])) << i;
-    ASSERT_EQ(free, known[i] && !model.is_occupied(log_odds[i])) << i;
+    ASSERT_EQ(free, known[i] && !occupied && log_odds[i] < 0.0F) << i;
     if (occupied) {
       ASSERT_EQ(finished.log_odds[next++], log_odds[i]) << i;
     }
@@ -55,6 +55,7 @@ TEST(BlockStore, HoldsTheLogOddsOfEveryVoxel) {
   expect_the_log_odds_of_floats({.probability_miss = 0.4999, .clamping_min = 0.001}, 0.01);  // misses no byte can count
   expect_the_log_odds_of_floats({.probability_miss = 0.5}, 0.01);                            // misses that say nothing
   expect_the_log_odds_of_floats({.occupancy_threshold = 0.3}, 0.0);                          // occupied by misses
+  expect_the_log_odds_of_floats({.occupancy_threshold = 0.9}, 0.1);                          // hit, but not enough
 }
 
 TEST(BlockStore, SortsBlocksByKey) {

@@ -217,7 +217,7 @@ void MapBuilder::apply_marks() {
 
 VoxelMap MapBuilder::finish() {
   marks_ = {};
-  BlockStore::Finished finished = blocks_.finish();
+  BlockStore::Finished finished = blocks_.finish(!has_free_space_);
   SurfaceVoxels voxels = hits_.summarise(finished.blocks, origins_m_);
   voxels.log_odds = std::move(finished.log_odds);
   hits_ = HitSums(options_.resolution_m);

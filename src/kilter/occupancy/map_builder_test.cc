@@ -104,6 +104,26 @@ TEST(MapBuilder, PointsAloneLeaveEverythingElseUnknown) {
   EXPECT_EQ(map.state({5, 0, 0}), CellState::kUnknown);
 }
 
+TEST(MapBuilder, WhatIsHitTooSeldomForTheThresholdIsNotFree) {
+  const OccupancyOptions options{.resolution_m = 0.1, .occupancy_threshold = 0.9};
+  MapBuilder builder(options);
+  builder.insert_scan(std::vector<Eigen::Vector3d>{{1.05, 0.05, 0.05}}, {0.05, 0.05, 0.05});
+  const VoxelMap scanned = builder.finish();
+  EXPECT_EQ(scanned.state({10, 0, 0}), CellState::kUnknown);
+  EXPECT_EQ(scanned.state({5, 0, 0}), CellState::kFree);
+  builder.insert_points(std::vector<Eigen::Vector3d>{{1.05, 0.05, 0.05}});
+  EXPECT_EQ(builder.finish().state({10, 0, 0}), CellState::kOccupied) << "of points alone nothing else is known";
+}
+
+TEST(OccupancyOptions, KnowWhatMakesAllOfAMapOccupied) {
+  EXPECT_TRUE(validate(OccupancyOptions{}));
+  EXPECT_TRUE(validate(OccupancyOptions{.occupancy_threshold = 0.41}));
+  const auto fit = validate(OccupancyOptions{.occupancy_threshold = 0.4});
+  ASSERT_FALSE(fit);
+  EXPECT_NE(fit.error().message.find("expected more than probability_miss, which is 0.4"), std::string::npos);
+  EXPECT_FALSE(validate(OccupancyOptions{.probability_miss = 0.5}));
+}
+
 TEST(MapBuilder, BeginsAnewOnceFinished) {
   MapBuilder builder({.resolution_m = 0.1});
   const std::vector<Eigen::Vector3f> scan_m = {{1.0F, 0.0F, 0.0F}, {0.0F, 1.0F, 0.0F}};

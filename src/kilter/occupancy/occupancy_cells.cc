@@ -67,6 +67,7 @@ class BlockFiller {
   // \return false if the range is too much for one map.
   bool fill(const VoxelRange& range, float log_odds) {
     const bool occupied = log_odds >= threshold_;
+    if (!occupied && log_odds >= 0.0F) return true;  // neither is known
     if (blocks_.size() + range.blocks() > most_blocks_) return false;
     if (occupied && surface_.size() + range.voxels() > most_surface_) return false;
     const Eigen::Vector3i first = block_of(range.first);

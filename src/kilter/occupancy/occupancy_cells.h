@@ -33,8 +33,9 @@ struct OccupancyCells {
 ///
 /// A voxel gets the largest log-odds of the cells that hold its centre and of the smaller ones whose centre it holds:
 /// at equal resolution it is its cell, exactly; a larger cell is all the voxels inside; of several smaller ones the
-/// most occupied counts. It is occupied from `options.occupancy_threshold` on, else free. Centroids are centres, good
-/// to a cell: VoxelMap::cell_m is the edge of the smallest occupied cell, or of a voxel if that is larger.
+/// most occupied counts. It is occupied from `options.occupancy_threshold` on, free below that and
+/// below one half, and unknown in between. Centroids are centres, good to a cell: VoxelMap::cell_m is the edge of the
+/// smallest occupied cell, or of a voxel if that is larger.
 ///
 /// \return  the map; or kUnsupported: a cell beyond the lattice, or n cells that fill over 2^19 + 8 n blocks of 8^3
 ///          voxels (2^19 are 268,000 m^3 at 0.1 m) or hold over 2^18 + 512 n occupied voxels.

@@ -87,8 +87,11 @@ TEST(OccupancyCells, OfAFinerFileGiveTheMostOccupied) {
 }
 
 TEST(OccupancyCells, AreOccupiedFromTheThresholdOn) {
-  const auto map = map_from_cells({0.1, {cell(0, 0, 0, 0, 0.1F)}}, {.occupancy_threshold = 0.6});
-  EXPECT_EQ(map->state({0, 0, 0}), CellState::kFree);
+  const OccupancyCells known = {0.1, {cell(0, 0, 0, 0, 0.1F), cell(1, 0, 0, 0, -0.1F), cell(2, 0, 0, 0, 0.5F)}};
+  const auto map = map_from_cells(known, {.occupancy_threshold = 0.6});
+  EXPECT_EQ(map->state({0, 0, 0}), CellState::kUnknown) << "more hit than missed is not free";
+  EXPECT_EQ(map->state({1, 0, 0}), CellState::kFree);
+  EXPECT_EQ(map->state({2, 0, 0}), CellState::kOccupied);
 }
 
 TEST(OccupancyCells, PointNormalsToTheFreeSide) {

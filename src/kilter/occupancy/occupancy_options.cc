@@ -45,6 +45,12 @@ Expected<void> validate(const OccupancyOptions& o) {
                             o.clamping_min, o.occupancy_threshold),
                 {}, "raise occupancy_threshold or lower clamping_min, or no voxel is ever free");
   }
+  if (o.occupancy_threshold - o.probability_miss < kSame) {
+    return fail(ErrorCode::kConfig,
+                fmt::format("occupancy_threshold: expected more than probability_miss, which is {}, found {}",
+                            o.probability_miss, o.occupancy_threshold),
+                {}, "raise occupancy_threshold or lower probability_miss, or what a ray passed is occupied");
+  }
   return {};
 }
 

@@ -40,8 +40,8 @@ struct CheckOptions {
 /// (d, gates, resolution) have one key; `check` hands them on.
 [[nodiscard]] std::vector<OptionField> fields(CheckOptions& options);
 
-/// What options cannot mean: those of occupancy, and a `d` above 200 voxels, for the search for the nearest voxel knows
-/// every block within its reach, so that time and memory grow with its cube. \return  kConfig with the key.
+/// What options cannot mean: those of occupancy, a `d` below a voxel, and one above 200, for the search for the nearest
+/// voxel knows every block within its reach, so that time and memory grow with its cube. \return  kConfig with the key.
 [[nodiscard]] Expected<void> validate(const CheckOptions& options);
 
 /// The paper and nothing of ours: OICP registration, moments then truncation, no floor, literal Eq. (8) weights.

@@ -35,7 +35,12 @@ Expected<void> validate(const CheckOptions& o) {
   if (auto fit = validate(o.submap.occupancy); !fit) return pass_up(fit.error());
   const double d_m = o.matching.max_distance_m;
   const double resolution_m = o.submap.occupancy.resolution_m;
-  if (d_m <= kMostVoxels * resolution_m * (1.0 + 1e-9)) return {};
+  constexpr double kRounding = 1e-9;
+  if (d_m < resolution_m * (1.0 - kRounding)) {
+    return fail(ErrorCode::kConfig, fmt::format("d: expected a voxel or more, {:g} m, found {:g} m", resolution_m, d_m),
+                {}, "raise d to some voxels, or use a finer resolution");
+  }
+  if (d_m <= kMostVoxels * resolution_m * (1.0 + kRounding)) return {};
   return fail(ErrorCode::kConfig,
               fmt::format("d: expected at most {:g} voxels, {:g} m at a resolution of {:g} m, found {:g} m",
                           kMostVoxels, kMostVoxels * resolution_m, resolution_m, d_m),

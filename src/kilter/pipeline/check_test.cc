@@ -265,8 +265,12 @@ TEST(Check, MemoryBudgetAndCancellationEndTheRun) {
   EXPECT_EQ(check(two_robots({}), small_submaps(), {}, {.cancelled = &cancelled}).error().code, ErrorCode::kCancelled);
 }
 
-TEST(Check, RefusesASearchFartherThanMemoryAllows) {
+TEST(Check, RefusesASearchFartherThanMemoryAllowsAndOneWithinAVoxel) {
   CheckOptions options;
+  options.matching.max_distance_m = 0.1;
+  EXPECT_TRUE(validate(options));
+  options.matching.max_distance_m = 0.09;
+  EXPECT_FALSE(validate(options));
   options.matching.max_distance_m = 20.0;
   EXPECT_TRUE(validate(options));
   options.matching.max_distance_m = 21.0;

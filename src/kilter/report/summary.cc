@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cmath>
 #include <map>
 #include <numbers>
@@ -136,10 +137,12 @@ std::string cause_of(std::string_view reason) {
   reason = reason.substr(0, reason.find(';'));
   std::string cause;
   bool in_number = false;
+  bool in_word = false;
   for (const char c : reason) {
     const bool digit = c >= '0' && c <= '9';
-    if (digit && !in_number) cause += "..";
-    in_number = digit || (in_number && c == '.');
+    in_word = std::isalpha(static_cast<unsigned char>(c)) != 0 || (digit && in_word);  // log10 is no number
+    if (digit && !in_number && !in_word) cause += "..";
+    in_number = !in_word && (digit || (in_number && c == '.'));
     if (!in_number) cause += c;
   }
   return cause;

@@ -222,6 +222,9 @@ TEST(Summary, ReasonsThatDifferInNumbersAreCountedTogether) {
   EXPECT_THAT(text, HasSubstr("Unverified  2 x too uncertain\n            1 x "));
   EXPECT_THAT(text, HasSubstr("  1 x too little overlap: .. % match\n"));
   EXPECT_THAT(text, HasSubstr("  1 x the pair agrees no better there\n"));
+  Result by_gamma = testing::result_of({{"a", 5}});
+  testing::add_empty_pair(by_gamma, 4, 3).verdict.reason = "log10 Gamma 1.20 is low for this map (from 1.51)";
+  EXPECT_THAT(summary(by_gamma), HasSubstr("Unverified  1 x log10 Gamma .. is low for this map (from ..)\n"));
 }
 
 TEST(Summary, SaysWhatTheCertificateLeavesOut) {

@@ -138,7 +138,7 @@ std::string undecided(const DecidedShares& shares, const std::vector<JudgedPair>
   if (pairs.empty()) return "nothing to compare: no two submaps could show the same place";
   if (std::none_of(pairs.begin(), pairs.end(), counts))
     return "nothing to compare: no two submaps show enough of the same place";
-  const auto too_few = [&](double share) { return share < options.min_decided; };
+  const auto too_few = [&](double share) { return share <= 0.0 || share < options.min_decided; };
   for (const auto& of_robots : shares.global) {
     const std::string& key = of_robots.first;  // clang 14 lets no lambda capture a structured binding
     const std::optional<double> share = of_robots.second;

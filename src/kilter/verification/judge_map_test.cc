@@ -116,6 +116,9 @@ TEST(JudgeMap, TooManyUndecidedPairsLeaveItUndetermined) {
   const MapVerdict map = judge_map(pairs, kRobots, {});
   EXPECT_EQ(map.state, MapState::kUndetermined);
   EXPECT_EQ(map.certificate_excludes.size(), 2U);
+  JudgeOptions nothing_asked;
+  nothing_asked.min_decided = 0.0;
+  EXPECT_EQ(judge_map(pairs, kRobots, nothing_asked).state, MapState::kUndetermined) << "of b nothing is decided";
 }
 
 // Storeys above each other: floors and the ceilings below them match, and were never seen from one side.
