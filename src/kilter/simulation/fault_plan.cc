@@ -6,6 +6,9 @@
 #include <cmath>
 #include <numbers>
 #include <string>
+#include <utility>
+
+#include <fmt/format.h>
 
 namespace kilter {
 namespace {
@@ -84,7 +87,7 @@ std::optional<Meeting> frame_meeting(Truth truth, std::size_t robot, std::size_t
   return meeting ? meeting : first_meeting(truth, robot, begin, sound_scans(truth, {}));
 }
 
-// The earlier scan whose true distance from `scan` is closest to `size_m`.
+// The scan of the way's first half up to `scan` whose true distance from it is closest to `size_m`.
 ScanRef lookalike(Truth truth, const ScanRef& scan, double size_m) {
   ScanRef best{scan.robot, 0};
   double best_m = std::abs(distance_m(truth, best, scan) - size_m);
@@ -96,6 +99,21 @@ ScanRef lookalike(Truth truth, const ScanRef& scan, double size_m) {
     }
   }
   return best;
+}
+
+// Plans what is taken for a place seen before: one about as far away as asked.
+Expected<PlannedFault> mistake_place(Truth truth, PlannedFault fault) {
+  const FaultRequest& request = fault.request;
+  const std::string& name = truth[fault.scan.robot].name;
+  if (fault.scan.scan < 2) {
+    return no_room(request, fmt::format("robot {} has seen no other place before its scan {}", name, fault.scan.scan));
+  }
+  fault.against = fault.first = lookalike(truth, fault.scan, request.size_m);
+  const double apart_m = distance_m(truth, fault.against, fault.scan);
+  if (std::abs(apart_m - request.size_m) <= 0.5 * request.size_m) return fault;
+  return no_room(request, fmt::format("no place in the first half of robot {}'s way to its scan {} is about {:.3g} m "
+                                      "from there; the best is {:.3g} m away",
+                                      name, fault.scan.scan, request.size_m, apart_m));
 }
 
 Vector6 draw_twist(const FaultRequest& request, Rng& rng) {
@@ -140,8 +158,7 @@ Expected<PlannedFault> plan_fault(Truth truth, const FaultRequest& request, std:
       fault.last = fault.scan;
       return fault;
     case FaultKind::kMistakenPlace:
-      fault.against = fault.first = lookalike(truth, fault.scan, request.size_m);
-      return fault;
+      return mistake_place(truth, std::move(fault));
     case FaultKind::kMissedClosure:
     case FaultKind::kWrongClosure:
       meeting = first_return(truth, r, std::max(fault.scan.scan, from + 1), from + 1);

@@ -130,13 +130,29 @@ TEST(Slam, WrongClosureBendsTheMapByAlmostItsSize) {
 
 TEST(Slam, MistakenPlacePutsTwoPlacesOnTopOfEachOther) {
   const auto truth = two_rings();
-  const SlamResult result = solve(truth, {{.kind = FaultKind::kMistakenPlace, .at = 0.6, .size_m = 5.0}});
+  const SlamResult result = solve(truth, {{.kind = FaultKind::kMistakenPlace, .at = 0.6, .size_m = 12.0}});
   const Fault& mistaken = result.faults.at(0);
   const Pose3 first = result.T_world_sensor[0][mistaken.against_scan];
   const Pose3 second = result.T_world_sensor[0][mistaken.scan];
   EXPECT_GT(distance_m(truth, {0, mistaken.scan}, {0, mistaken.against_scan}), 3.0);
   EXPECT_LT((first.inverse() * second).translation_m().norm(), 1.0);
   EXPECT_GT(mistaken.size_m, 3.0);
+}
+
+TEST(Slam, NoPlaceIsMistakenForItselfNorForOneMuchFartherOrNearerThanAsked) {
+  const auto truth = two_rings();
+  const auto refusal = [&](double at, double size_m) {
+    const FaultRequest request{.kind = FaultKind::kMistakenPlace, .at = at, .size_m = size_m};
+    const auto result = run_slam(truth, std::vector{request}, {}, 1);
+    return result ? std::string() : result.error().message;
+  };
+  EXPECT_EQ(refusal(0.0, 5.0),
+            "no room for the fault mistaken-place: robot a has seen no other place before its scan 0");
+  for (const double size_m : {0.4, 100.0}) {
+    EXPECT_NE(refusal(0.6, size_m).find("no place in the first half of robot a's way to its scan "), std::string::npos)
+        << size_m;
+  }
+  EXPECT_EQ(refusal(0.6, 12.0), "");
 }
 
 TEST(Slam, SameSeedSamePosesAndAnotherSeedOthers) {
