@@ -158,7 +158,9 @@ class Simulate(unittest.TestCase):
                                 (["office", "--fault", "gremlin"], "slip"), (["office", "--robots", "9"], "robots"),
                                 (["office", "--fault", "slip:a:-1"], "above 0"), (["office", "--set", "colums=3"], "colums"),
                                 (["tunnel", "--robots", "1", "--fault", "frame-offset:b"], "robot"),
-                                (["carpark", "--scan-step", "20"], "--fault none")):
+                                (["carpark", "--scan-step", "20"], "--fault none"),
+                                (["paper-indoor", "--robots", "4"], "paper-indoor has its own size and two robots, found robots 4"),
+                                (["paper-outdoor", "--scale", "3"], "paper-outdoor has its own size and two robots, found scale 3")):
             with self.subTest(arguments):
                 run = run_kilter("simulate", *arguments, "-o", self.folder / "refused")
                 self.assertEqual(run.status, 2, run.stderr)

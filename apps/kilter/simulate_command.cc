@@ -126,8 +126,10 @@ void add_simulate_command(CLI::App& program, int& status) {
       ->required();
   const auto set_seed = [&request](const std::string& text) { read_seed(text, request.options.seed); };
   app->add_option_function<std::string>("--seed", set_seed, "another seed, another world (1)")->option_text("N");
-  app->add_option("--robots", request.options.robots, "how many")->option_text("N");
-  app->add_option("--scale", request.options.scale, "size of the world, as a factor")
+  app->add_option("--robots", request.options.robots, "how many, 1 to 5 (2); the paper's scenes have two")
+      ->option_text("N");
+  app->add_option("--scale", request.options.scale,
+                  "size of the world, as a factor (1); the paper's scenes have their own")
       ->option_text("FACTOR")
       ->check(within(0.5, 10.0));
   app->add_option("--fault", request.faults, "KIND[:ROBOT[:SIZE_M[:AT]]], or none; may be repeated")

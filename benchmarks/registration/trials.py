@@ -87,14 +87,19 @@ def mounted_askew(level, folder):
     (folder / "truth" / "faults.json").write_bytes((level / "truth" / "faults.json").read_bytes())
 
 
+def size_of(options, world):
+    """What asks for the size of a world; the paper's have their own."""
+    return () if world.startswith("paper") else ("--scale", options.scale)
+
+
 class Mission:
     """One simulated world without faults, its submaps at their true poses, and the program that registers them."""
 
     def __init__(self, options, world, seed, folder):
         self.world, self.seed = world, seed
         if not (folder / "truth" / "faults.json").exists():
-            run(options.kilter, "simulate", world, "-o", folder, "--seed", seed, "--fault", "none", "--scale",
-                options.scale, "--replace", "--quiet")
+            run(options.kilter, "simulate", world, "-o", folder, "--seed", seed, "--fault", "none",
+                *size_of(options, world), "--replace", "--quiet")
         if options.askew:
             level, folder = folder, folder.with_name(folder.name + "-askew")
             if not (folder / "truth" / "faults.json").exists():

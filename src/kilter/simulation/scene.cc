@@ -56,6 +56,15 @@ std::string nearest_scene(std::string_view name) {
   return near.empty() ? "kilter simulate --help lists all scenes" : "did you mean " + near + "?";
 }
 
+// The paper's scenes are built for what its figures show, and grow neither in size nor in robots.
+Expected<void> check_paper_scene(std::string_view name, const SceneOptions& options) {
+  if (options.scale == 1.0 && options.robots == 2) return {};
+  const std::string found =
+      options.scale != 1.0 ? fmt::format("scale {}", options.scale) : fmt::format("robots {}", options.robots);
+  return fail(ErrorCode::kInvalidArgument, fmt::format("{} has its own size and two robots, found {}", name, found), {},
+              "leave --scale and --robots out, or choose another scene");
+}
+
 }  // namespace
 
 std::span<const SceneInfo> scene_catalog() { return kScenes; }
@@ -68,6 +77,10 @@ Expected<Scene> make_scene(std::string_view name, const SceneOptions& options) {
     return fail(ErrorCode::kInvalidArgument,
                 fmt::format("robots: expected 1 to {}, found {}", kRobotNames.size(), options.robots));
   }
+  if (name == "paper-indoor" || name == "paper-outdoor") {
+    if (Expected<void> fit = check_paper_scene(name, options); !fit) return pass_up(fit.error());
+    return name == "paper-indoor" ? make_paper_indoor(options) : make_paper_outdoor(options);
+  }
   if (name == "office") return make_office(options);
   if (name == "carpark") return make_carpark(options);
   if (name == "warehouse") return make_warehouse(options);
@@ -79,8 +92,6 @@ Expected<Scene> make_scene(std::string_view name, const SceneOptions& options) {
   if (name == "factory") return make_factory(options);
   if (name == "clean-office") return clean(make_office(options), kOfficeWall_m);
   if (name == "clean-carpark") return clean(make_carpark(options), kCarparkWall_m);
-  if (name == "paper-indoor") return make_paper_indoor(options);
-  if (name == "paper-outdoor") return make_paper_outdoor(options);
   return fail(ErrorCode::kInvalidArgument, "there is no scene \"" + printable(name) + "\"", {}, nearest_scene(name));
 }
 

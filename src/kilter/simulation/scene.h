@@ -22,8 +22,8 @@ inline constexpr std::string_view kRobotNames = "abcde";
 /// What can be chosen about a world before it is built.
 struct SceneOptions {
   std::uint64_t seed = 1;
-  double scale = 1.0;  ///< of the world's extent, in [0.5, 10]; furniture keeps its size
-  int robots = 2;      ///< 1 to 5, as kRobotNames; the paper's scenes always have 2
+  double scale = 1.0;  ///< of the world's extent, in [0.5, 10]; furniture keeps its size; 1 in the paper's scenes
+  int robots = 2;      ///< 1 to 5, as kRobotNames; 2 in the paper's scenes
 };
 
 /// How one robot drives through the world.

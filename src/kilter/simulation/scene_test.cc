@@ -117,6 +117,18 @@ TEST(Scene, HasRoomForItsOwnFaultsAtEveryScale) {
   }
 }
 
+TEST(Scene, ThePapersHaveTheirOwnSizeAndTwoRobots) {
+  for (const std::string name : {"paper-indoor", "paper-outdoor"}) {
+    for (const SceneOptions& options : {SceneOptions{.scale = 2.0}, SceneOptions{.robots = 3}}) {
+      const Expected<Scene> scene = make_scene(name, options);
+      ASSERT_FALSE(scene.has_value()) << name;
+      EXPECT_EQ(scene.error().code, ErrorCode::kInvalidArgument);
+      EXPECT_EQ(scene.error().message.find(name + " has its own size and two robots"), 0U) << scene.error().message;
+    }
+    EXPECT_TRUE(make_scene(name, {.scale = 1.0, .robots = 2}).has_value()) << name;
+  }
+}
+
 TEST(Scene, CorridorsOfALargeOfficeAreFree) {
   for (const double scale : {1.5, 3.0}) {
     const Scene scene = *make_scene("office", {.seed = 1, .scale = scale, .robots = 5});
