@@ -195,7 +195,11 @@ class Simulate(unittest.TestCase):
         whole = "expected a whole number from 0 to 18446744073709551615"
         for option, values, words in (("--range-noise", ("nan", "-0.1", "inf", "2"), "expected a number from 0 to 1"),
                                       ("--motion-residual", ("nan", "1.5", ""), "expected a number from 0 to 1"),
-                                      ("--scan-step", ("nan", "-nan", "101", "1 m"), "expected a number from 0 to 100"),
+                                      ("--scan-step", ("nan", "-nan", "0", "1e-9", "0.049", "101", "1 m"),
+                                       "expected a number from 0.05 to 100"),
+                                      ("--robots", ("0", "6", "2.0", "1e3", ""), "expected a whole number from 1 to 5"),
+                                      ("--columns", ("35", "7201", "1e3", "nan"), "expected a whole number from 36 to 7200"),
+                                      ("--beams", ("17", "1e3", "nan", ""), "expected 16, 32 or 64"),
                                       ("--scale", ("nan", "0.4", "11"), "expected a number from 0.5 to 10"),
                                       ("--seed", ("-1", "18446744073709551616", "1e3", "0x1", "nan", ""), whole)):
             for value in values:

@@ -76,7 +76,7 @@ Expected<SimulateSummary> simulate(const SimulateRequest& request, const RunCont
   lidar->motion_residual = request.motion_residual;
   Expected<Scene> scene = make_scene(request.scene, request.options);
   if (!scene) return pass_up(as_usage(scene.error()));
-  if (request.scan_step_m > 0.0) scene->scan_step_m = request.scan_step_m;
+  scene->scan_step_m = request.scan_step_m.value_or(scene->scan_step_m);
   if (!request.faults.empty()) {
     Expected<std::vector<FaultRequest>> faults = parse_faults(request.faults);
     if (!faults) return pass_up(faults.error());

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,7 +20,7 @@ struct SimulateRequest {
   int columns = 1800;
   double range_noise_m = 0.02;
   double motion_residual = 0.02;
-  double scan_step_m = 0.0;  ///< 0 = the scene's own
+  std::optional<double> scan_step_m;  ///< at least 0.05; absent = the scene's own
   /// Empty = the scene's own; otherwise "none" or KIND[:ROBOT[:SIZE_M[:AT]]] each.
   std::vector<std::string> faults;
 };

@@ -43,12 +43,21 @@ CLI::Validator within(double low, double high) {
   return {check, ""};
 }
 
-// CLI11 wraps negative numbers around and cuts large ones.
-void read_seed(const std::string& text, std::uint64_t& seed) {
-  const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), seed);
-  if (status == std::errc() && end == text.data() + text.size()) return;
-  throw CLI::ValidationError("--seed", fmt::format("expected a whole number from 0 to {}, found \"{}\"",
-                                                   std::numeric_limits<std::uint64_t>::max(), printable(text, 80)));
+// Adds an option that takes a whole number in [low, high]. CLI11 wraps negative numbers around and cuts large ones.
+template <typename Whole>
+CLI::Option* add_whole_option(CLI::App& app, const std::string& name, Whole& value, Whole low, Whole high,
+                              const std::string& about) {
+  const auto read = [name, &value, low, high](const std::string& text) {
+    Whole number{};
+    const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), number);
+    const bool is_whole = status == std::errc() && end == text.data() + text.size();
+    if (!is_whole || number < low || number > high) {
+      throw CLI::ValidationError(
+          name, fmt::format("expected a whole number from {} to {}, found \"{}\"", low, high, printable(text, 80)));
+    }
+    value = number;
+  };
+  return app.add_option_function<std::string>(name, read, about)->option_text("N");
 }
 
 std::string robot_of(const SimulateSummary& summary, const Fault& fault) {
@@ -124,10 +133,10 @@ void add_simulate_command(CLI::App& program, int& status) {
   app->add_option("-o,--output", request.writer.folder, "folder for mission/ and truth/")
       ->option_text("DIR REQUIRED")
       ->required();
-  const auto set_seed = [&request](const std::string& text) { read_seed(text, request.options.seed); };
-  app->add_option_function<std::string>("--seed", set_seed, "another seed, another world (1)")->option_text("N");
-  app->add_option("--robots", request.options.robots, "how many, 1 to 5 (2); the paper's scenes have two")
-      ->option_text("N");
+  add_whole_option<std::uint64_t>(*app, "--seed", request.options.seed, 0, std::numeric_limits<std::uint64_t>::max(),
+                                  "another seed, another world (1)");
+  add_whole_option(*app, "--robots", request.options.robots, 1, static_cast<int>(kRobotNames.size()),
+                   "how many, 1 to 5 (2); the paper's scenes have two");
   app->add_option("--scale", request.options.scale,
                   "size of the world, as a factor (1); the paper's scenes have their own")
       ->option_text("FACTOR")
@@ -135,19 +144,18 @@ void add_simulate_command(CLI::App& program, int& status) {
   app->add_option("--fault", request.faults, "KIND[:ROBOT[:SIZE_M[:AT]]], or none; may be repeated")
       ->option_text("FAULT")
       ->allow_extra_args(false);
-  app->add_option("--beams", request.beams, "rings of the lidar (16)")->option_text("N");
-  app->add_option("--columns", request.columns, "points of a ring (1800)")
-      ->option_text("N")
-      ->check(CLI::Range(36, 7200));
+  add_word_option<int>(*app, "--beams", request.beams, {{"16", 16}, {"32", 32}, {"64", 64}}, "rings of the lidar")
+      ->option_text("16|32|64 (16)");
+  add_whole_option(*app, "--columns", request.columns, 36, 7200, "points of a ring (1800)");
   app->add_option("--range-noise", request.range_noise_m, "standard deviation of a range (0.02 m)")
       ->option_text("M")
       ->check(within(0.0, 1.0));
   app->add_option("--motion-residual", request.motion_residual, "share of the motion that is left undistorted (0.02)")
       ->option_text("SHARE")
       ->check(within(0.0, 1.0));
-  app->add_option("--scan-step", request.scan_step_m, "way between two scans (the scene's own)")
+  app->add_option("--scan-step", request.scan_step_m, "way between two scans, from 0.05 m on (the scene's own)")
       ->option_text("M")
-      ->check(within(0.0, 100.0));
+      ->check(within(0.05, 100.0));  // the routes' knots are up to 0.05 m apart
   add_word_option<ScanFormat>(*app, "--format", request.writer.format,
                               {{"bin", ScanFormat::kBin}, {"pcd", ScanFormat::kPcd}}, "of the scans")
       ->option_text("bin|pcd (bin)");
