@@ -25,7 +25,10 @@ Error as_usage(Error error) {
 Expected<std::vector<FaultRequest>> parse_faults(const std::vector<std::string>& texts) {
   std::vector<FaultRequest> faults;
   for (const std::string& text : texts) {
-    if (text == "none") continue;
+    if (text == "none" && texts.size() == 1) return faults;
+    if (text == "none") {
+      return fail(ErrorCode::kUsage, "--fault none: other faults are asked for as well", {}, "ask for either");
+    }
     Expected<FaultRequest> fault = parse_fault(text);
     if (!fault) return pass_up(fault.error());
     faults.push_back(*fault);
@@ -60,8 +63,9 @@ Expected<FaultRequest> parse_fault(const std::string& text) {
     fault.size_m = *size_m;
   }
   if (parts.size() > 3) {
+    if (*kind == FaultKind::kFrameOffset) return refuse("a frame is off from the first scan on; there is no AT");
     const std::optional<double> at = number(parts[3]);
-    if (!at || !(*at >= 0.0 && *at <= 1.0)) return refuse("the place must be a share of the robot's path, 0 to 1");
+    if (!at || !(*at >= 0.0 && *at <= 1.0)) return refuse("AT must be a share of the robot's scans, 0 to 1");
     fault.at = *at;
   }
   if (parts.size() > 4) return refuse("there are too many parts");

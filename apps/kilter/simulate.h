@@ -35,7 +35,7 @@ struct SimulateSummary {
 /// Makes the mission and writes it. \return kUsage for a scene, fault or lidar that does not exist; see write_mission.
 [[nodiscard]] Expected<SimulateSummary> simulate(const SimulateRequest& request, const RunContext& run);
 
-/// Reads "slip", "missed-closure:b:0.8", "slip:a:0.4:0.25". \return kUsage.
+/// Reads "slip", "missed-closure:b:0.8", "slip:a:0.4:0.25"; frame-offset takes no AT. \return kUsage.
 [[nodiscard]] Expected<FaultRequest> parse_fault(const std::string& text);
 
 }  // namespace kilter

@@ -27,15 +27,16 @@ enum class FaultKind {
 /// An event to plant. Shares are of the robot's scans, in [0, 1].
 struct FaultRequest {
   FaultKind kind = FaultKind::kSlip;
-  int robot = 0;          ///< 0-based
-  double from = 0.3;      ///< kMissedClosure, kFrameDrift: where the drift sets in
-  double until = 1.0;     ///< and where it ends, if not where the robot comes back
-  double at = 0.6;        ///< where the event is, or from where on the robot may come back
+  int robot = 0;  ///< 0-based
+  /// kMissedClosure: where the drift sets in; kMissedClosure, kWrongClosure: the robot comes back to a scan up to here.
+  double from = 0.3;
+  double until = 1.0;     ///< kMissedClosure, kFrameDrift: where the drift ends, if not where the error is looked at
+  double at = 0.6;        ///< where the event is, or from where on the robot may come back or meet; not of kFrameOffset
   double size_m = 0.4;    ///< displacement; kMistakenPlace: how far the two places are apart
   double size_rad = 0.0;  ///< yaw
   /// Of the displacement, from the robot's x axis at the event. When absent, it and the sign of the yaw are drawn.
   std::optional<double> bearing_rad = {};
-  bool at_turn = true;  ///< kSlip: move to the sharpest turn within a tenth of the path
+  bool at_turn = true;  ///< kSlip: move to the sharpest turn within a tenth of the robot's scans
 };
 
 /// An event as it shows in the finished estimate.

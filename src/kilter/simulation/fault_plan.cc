@@ -25,7 +25,7 @@ std::size_t scan_at(const RobotMotion& robot, double share) {
   return static_cast<std::size_t>(std::lround(std::clamp(share, 0.0, 1.0) * last));
 }
 
-// The scan after the step that turns most, within a tenth of the path.
+// The scan after the step that turns most, within a tenth of the scans.
 std::size_t sharpest_turn(const RobotMotion& robot, std::size_t near) {
   const std::size_t reach = std::max<std::size_t>(1, robot.path_m.size() / 10);
   const std::size_t first = near > reach ? near - reach : 1;

@@ -5,6 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include "kilter/base/contract.h"
 #include "kilter/simulation/closures.h"
 #include "kilter/simulation/fault_plan.h"
@@ -179,6 +182,20 @@ bool tune(Truth truth, std::span<PlannedFault> faults, const Poses& poses) {
   return settled;
 }
 
+// Which faults the graph could not take, all of them: more than one may have torn it.
+Error with_faults(Error error, Truth truth, std::span<const FaultRequest> requests) {
+  if (requests.empty()) return error;
+  std::vector<std::string> names;
+  for (const FaultRequest& request : requests) {
+    names.push_back(fmt::format("{} of {} m (robot {})", to_string(request.kind), request.size_m,
+                                truth[static_cast<std::size_t>(request.robot)].name));
+  }
+  error.message =
+      fmt::format("with the fault{} {} {}", names.size() == 1 ? "" : "s", fmt::join(names, ", "), error.message);
+  error.hint = "plant smaller faults";
+  return error;
+}
+
 }  // namespace
 
 Vector6 relative_error(const Pose3& true_a, const Pose3& true_b, const Pose3& estimated_a, const Pose3& estimated_b) {
@@ -200,7 +217,7 @@ Expected<SlamResult> run_slam(Truth truth, std::span<const FaultRequest> request
   for (int attempt = 0; poses && attempt < kMaxTries && !tune(truth, faults, *poses); ++attempt) {
     poses = mission.estimate(faults);
   }
-  if (!poses) return pass_up(poses.error());
+  if (!poses) return pass_up(with_faults(poses.error(), truth, requests));
   SlamResult result{std::move(*poses), {}};
   for (const PlannedFault& fault : faults) result.faults.push_back(measured(truth, fault, result.T_world_sensor));
   return result;

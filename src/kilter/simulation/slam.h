@@ -46,7 +46,7 @@ struct SlamResult {
 /// Closures that contradict an event are left out, as robust back ends reject them; all others stay.
 ///
 /// \return kInvalidArgument for a fault that the mission has no room for (a robot that does not exist, that never
-///         comes back, never meets another) or a graph that does not settle.
+///         comes back, never meets another) or a graph that does not settle; its message names the faults.
 [[nodiscard]] Expected<SlamResult> run_slam(std::span<const RobotMotion> truth, std::span<const FaultRequest> requests,
                                             const SlamOptions& options, std::uint64_t seed);
 

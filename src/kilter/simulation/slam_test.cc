@@ -175,6 +175,18 @@ TEST(Slam, RefusesFaultsWithoutRoom) {
   EXPECT_EQ(code(alone, {.kind = FaultKind::kFrameDrift}), ErrorCode::kInvalidArgument);
 }
 
+TEST(Slam, FaultsThatTheMapCannotTakeAreNamedWithTheirSizes) {
+  const auto truth = two_rings();
+  const std::vector<FaultRequest> faults = {{.kind = FaultKind::kSlip, .robot = 1, .at = 0.5},
+                                            {.kind = FaultKind::kWrongClosure, .size_m = 1000.0}};
+  const auto result = run_slam(truth, faults, {}, 1);
+  ASSERT_FALSE(result.has_value());
+  EXPECT_EQ(result.error().message.find("with the faults slip of 0.4 m (robot b), wrong-closure of 1000 m (robot a) "),
+            0U)
+      << result.error().message;
+  EXPECT_EQ(result.error().hint, "plant smaller faults");
+}
+
 TEST(FaultKind, NamesReadBack) {
   for (int kind = 0; kind <= static_cast<int>(FaultKind::kMistakenPlace); ++kind) {
     EXPECT_EQ(fault_kind_from(to_string(static_cast<FaultKind>(kind))), static_cast<FaultKind>(kind));
