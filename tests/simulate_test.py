@@ -71,6 +71,18 @@ class Simulate(unittest.TestCase):
         self.assertEqual((missed["kind"], missed["robot"], missed["against_robot"]), ("missed-closure", "b", "b"))
         self.assertAlmostEqual(missed["size_m"], 0.7, delta=0.05)
 
+    def test_a_size_that_was_asked_for_and_missed_is_told(self):
+        arguments = ("factory", "--scan-step", "1.5", "--columns", "36", "--seed", "2", "--replace", "-o", self.folder / "missed")
+        asked = ("--fault", "frame-offset:b:0.4", "--fault", "slip:a:0.3")
+        run = run_kilter("simulate", *arguments, *asked)
+        offset, _ = json.loads((self.folder / "missed" / "truth" / "faults.json").read_text(encoding="utf-8"))["faults"]
+        self.assertGreater(abs(offset["size_m"] - 0.4), 0.04)
+        told = f"note: frame-offset of robot b: asked for 0.4 m, and the map shows {offset['size_m']:.3g} m\n"
+        self.assertEqual((run.status, run.stderr.count("note: "), run.stderr.count(told)), (0, 1, 1), run.stderr)
+        for others in ((*asked, "--quiet"), ()):  # nothing of the scene's own faults, which nobody has asked for
+            run = run_kilter("simulate", *arguments, *others)
+            self.assertEqual((run.status, run.stderr.count("note: ")), (0, 0), run.stderr)
+
     def test_one_robot_is_counted_and_a_fault_of_another_names_the_last(self):
         run = run_kilter("simulate", "office", "-o", self.folder / "alone", "--robots", "1", "--fault", "none", *QUICK)
         self.assertRegex(run.stdout, r"^\d+ scans of 1 robot in ")

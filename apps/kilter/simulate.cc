@@ -2,9 +2,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "apps/kilter/simulate.h"
 
+#include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <optional>
 #include <sstream>
+
+#include <fmt/format.h>
 
 namespace kilter {
 namespace {
@@ -23,17 +27,31 @@ Error as_usage(Error error) {
 }
 
 Expected<std::vector<FaultRequest>> parse_faults(const std::vector<std::string>& texts) {
+  const auto nones = std::count(texts.begin(), texts.end(), "none");
+  if (nones > 0 && nones < std::ssize(texts)) {
+    return fail(ErrorCode::kUsage, "--fault none: other faults are asked for as well", {}, "ask for either");
+  }
   std::vector<FaultRequest> faults;
   for (const std::string& text : texts) {
-    if (text == "none" && texts.size() == 1) return faults;
-    if (text == "none") {
-      return fail(ErrorCode::kUsage, "--fault none: other faults are asked for as well", {}, "ask for either");
-    }
+    if (text == "none") continue;
     Expected<FaultRequest> fault = parse_fault(text);
     if (!fault) return pass_up(fault.error());
     faults.push_back(*fault);
   }
   return faults;
+}
+
+// Closures and odometry have their say in what a map shows of a fault.
+std::vector<std::string> notes_on_sizes(const std::vector<FaultRequest>& asked, const SimulatedMission& mission) {
+  std::vector<std::string> notes;
+  for (std::size_t i = 0; i < asked.size(); ++i) {
+    const Fault& fault = mission.faults()[i];
+    if (std::abs(fault.size_m - asked[i].size_m) <= 0.1 * asked[i].size_m) continue;
+    notes.push_back(fmt::format("{} of robot {}: asked for {} m, and the map shows {:.3g} m", to_string(fault.kind),
+                                mission.robots()[static_cast<std::size_t>(fault.robot)].name, asked[i].size_m,
+                                fault.size_m));
+  }
+  return notes;
 }
 
 }  // namespace
@@ -81,16 +99,14 @@ Expected<SimulateSummary> simulate(const SimulateRequest& request, const RunCont
   Expected<Scene> scene = make_scene(request.scene, request.options);
   if (!scene) return pass_up(as_usage(scene.error()));
   scene->scan_step_m = request.scan_step_m.value_or(scene->scan_step_m);
-  if (!request.faults.empty()) {
-    Expected<std::vector<FaultRequest>> faults = parse_faults(request.faults);
-    if (!faults) return pass_up(faults.error());
-    scene->faults = std::move(*faults);
-  }
+  const Expected<std::vector<FaultRequest>> asked = parse_faults(request.faults);
+  if (!asked) return pass_up(asked.error());
+  if (!request.faults.empty()) scene->faults = *asked;
   Expected<SimulatedMission> mission = SimulatedMission::plan(std::move(*scene), *lidar, request.options.seed);
   if (!mission && mission.error().hint.empty()) mission.error().hint = "other faults by --fault, or --fault none";
   if (!mission) return pass_up(as_usage(mission.error()));
   if (Expected<void> written = write_mission(*mission, request.writer, run); !written) return pass_up(written.error());
-  SimulateSummary summary{{}, mission->scan_count(), mission->faults()};
+  SimulateSummary summary{{}, mission->scan_count(), mission->faults(), notes_on_sizes(*asked, *mission)};
   for (const SimulatedRobot& robot : mission->robots()) summary.robots.push_back(robot.name);
   return summary;
 }

@@ -30,6 +30,7 @@ struct SimulateSummary {
   std::vector<std::string> robots;
   std::size_t scans = 0;
   std::vector<Fault> faults;
+  std::vector<std::string> notes;  ///< on faults of the request whose size came out otherwise
 };
 
 /// Makes the mission and writes it. \return kUsage for a scene, fault or lidar that does not exist; see write_mission.

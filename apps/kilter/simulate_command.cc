@@ -116,6 +116,9 @@ int run_simulate(SimulateCommand& command) {
     const bool is_output = exit_status(summary.error().code) == kExitInput;
     return is_output ? exit_status_of_output(summary.error().code) : exit_status(summary.error().code);
   }
+  for (const std::string& note : summary->notes) {
+    if (!command.common.quiet) print_note(note);
+  }
   const std::string folder = printable(request.writer.folder.native(), 200);
   const Expected<void> done = print_out(command.common.json ? as_json(*summary) : as_text(*summary, folder));
   if (done) return kExitGood;

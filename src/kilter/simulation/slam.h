@@ -41,8 +41,10 @@ struct SlamResult {
 /// Estimates the robots' poses as a SLAM system would: drifting odometry, closures where the robots truly meet,
 /// relaxed together. The first pose of the first robot is true; the others' start is known to a closure's accuracy.
 ///
-/// Faults enter as events: a slip changes one odometry step; drift of a missed closure is spread over its stretch and
-/// scaled until the finished estimate shows the asked size; a wrong closure or mistaken place is one more edge.
+/// Faults enter as events: a slip changes one odometry step; drift of a missed closure is spread over its stretch, and
+/// in up to twelve tries pushed towards the asked size in the finished estimate, which may still fall short or exceed
+/// it where other closures hold the robot; a wrong closure or mistaken place is one more edge. The result's faults say
+/// what size came out.
 /// Closures that contradict an event are left out, as robust back ends reject them; all others stay.
 ///
 /// \return kInvalidArgument for a fault that the mission has no room for (a robot that does not exist, that never
