@@ -10,6 +10,18 @@ COLOURS = ("#1f5fa8", "#c8501e", "#3a7d44", "#7a4fa3", "#8a6d1d", "#5b6770", "#b
            "#d98c00", "#1c2a6b", "#7db52e")
 
 
+def corners(points):
+    """Of a staircase's points, as they are printed, those at which it turns."""
+    kept = []
+    for point in points:
+        if kept and point == kept[-1]:
+            continue
+        if len(kept) > 1 and any(kept[-2][axis] == kept[-1][axis] == point[axis] for axis in (0, 1)):
+            kept.pop()
+        kept.append(point)
+    return [",".join(point) for point in kept]
+
+
 def draw(answers):
     """SVG: ROC curves of all scores over the pairs whose pose the scene fixes; the false positive axis is logarithmic."""
     bad, good = tables.select(answers, tables.BAD_M, tables.GOOD_M)
@@ -35,7 +47,7 @@ def draw(answers):
     for k, (name, score) in enumerate(tables.methods(answers).items()):
         false, true = scores.curve(np.array([score(r) for r in bad]), np.array([score(r) for r in good]))
         colour = COLOURS[k % len(COLOURS)]
-        points = " ".join(f"{x:.1f},{top + height * (1 - y):.1f}" for x, y in zip(x_of(false), true))
+        points = " ".join(corners([(f"{x:.1f}", f"{top + height * (1 - y):.1f}") for x, y in zip(x_of(false), true)]))
         parts.append(f'<polyline points="{points}" fill="none" stroke="{colour}" stroke-width="{2.5 if k == 0 else 1.5}"/>')
         y = top + 14 + 22 * k
         parts.append(f'<line x1="510" y1="{y - 4}" x2="535" y2="{y - 4}" stroke="{colour}" stroke-width="3"/>'
