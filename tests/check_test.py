@@ -264,21 +264,23 @@ class Output(CheckCase):
         self.assertNotIn("odd", self.check().stderr)
 
     def test_a_mounting_that_was_left_out_is_named_with_its_quaternion(self):
-        turned = self.out.with_name("turned")
-        shutil.copytree(self.tiny.mission / "a", turned / "a")
-        poses = turned / "a" / "poses.tum"
-        rows = [line.split() for line in poses.read_text(encoding="utf-8").splitlines() if not line.startswith("#")]
+        made = self.out.with_name("office")
+        run_kilter("simulate", "office", "-o", made, "--scale", "0.5", "--columns", "360", "--fault", "none", "--quiet")
+        turned = made / "mission"
         half = math.sqrt(0.5)
-        with poses.open("w", encoding="utf-8") as file:
-            for stamp, *place, x, y, z, w in rows:
-                qx, qy, qz, qw = (float(word) for word in (x, y, z, w))
-                print(stamp, *place, half * (qx - qy), half * (qx + qy), half * (qz - qw), half * (qw + qz), file=file)
-        run = run_kilter("check", turned, "-o", self.out, *self.settings)
-        self.assertIn("turned by 90 degrees about z (qx qy qz qw: 0.000 0.000 0.707 0.707)", run.stderr)
+        for poses in turned.glob("*/poses.tum"):
+            rows = [line.split() for line in poses.read_text(encoding="utf-8").splitlines() if not line.startswith("#")]
+            with poses.open("w", encoding="utf-8") as file:
+                for stamp, *place, x, y, z, w in rows:
+                    qx, qy, qz, qw = (float(word) for word in (x, y, z, w))
+                    print(stamp, *place, half * (qx - qy), half * (qx + qy), half * (qz - qw), half * (qw + qz), file=file)
+        told = json.loads(run_kilter("info", turned, "--json").stdout)["oddities"]
+        self.assertEqual([(oddity["robot"], oddity["code"]) for oddity in told], [("a", "turned-sensor"), ("b", "turned-sensor")])
+        self.assertIn("turned by 90 degrees about z (qx qy qz qw: 0.000 0.000 0.707 0.707)", told[0]["found"])
+        run = run_kilter("check", turned, "-o", self.out, "--set", "resolution=0.4")
         self.assertIn("\nNext        see to the input first (turned-sensor of robot a)", run.stdout)
-        given = run_kilter("check", turned, "-o", self.out, *self.settings, "--set",
-                           "T_body_sensor=0 0 0 0 0 0.70710678 0.70710678")
-        self.assertNotIn("odd", given.stderr)
+        given = run_kilter("info", turned, "--json", "--set", "T_body_sensor=0 0 0 0 0 0.70710678 0.70710678")
+        self.assertEqual(json.loads(given.stdout)["oddities"], [])
 
     def test_one_robot_under_two_names_is_told(self):
         twice = [f"{name}={self.tiny.mission / 'a'}" for name in ("c", "d")]
