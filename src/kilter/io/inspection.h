@@ -61,7 +61,7 @@ struct Inspection {
 
 /// Looks at a mission without building anything: headers of all clouds (of some thousand at most), the first cloud of
 /// each robot, octrees of five million leaves together, as many clouds as it takes to tell whether neighbours are the
-/// same, and a dozen to tell whether they meet as the poses say (find_other_reading).
+/// same, and up to three dozen to tell whether they meet as the poses say (find_other_reading).
 /// \return  or what reading a first cloud or octree fails with, or check_usable for a robot.
 [[nodiscard]] Expected<Inspection> inspect(const Mission& mission, const SubmapOptions& options);
 
