@@ -64,6 +64,47 @@ std::vector<std::size_t> likely_exchanged(std::span<const RobotLog> robots, std:
 
 bool keeps_z(const Eigen::Matrix3d& axes) { return axes(2, 2) > 0.5; }
 
+void add_shifts(const std::vector<Pose3>& poses, std::vector<Reading>& readings) {
+  for (int n = 1; n <= kMostClouds; ++n) {
+    for (const int by : {n, -n}) {
+      readings.push_back(
+          {PoseReading::kShifted,
+           fmt::format("under the poses of {} cloud{} {}", n, n == 1 ? "" : "s", by > 0 ? "later" : "before"),
+           [&poses, by](std::size_t i) -> std::optional<Pose3> {
+             const std::int64_t at = static_cast<std::int64_t>(i) + by;
+             if (at < 0 || at >= static_cast<std::int64_t>(poses.size())) return std::nullopt;
+             return poses[static_cast<std::size_t>(at)];
+           }});
+    }
+  }
+}
+
+// Other names for the axes of all, first where z stays, then for those of positions alone. `T_body_sensor` does not
+// apply to finished submaps.
+void add_axes(const RobotLog& robot, std::vector<Reading>& readings) {
+  const std::vector<Pose3>& poses = robot.T_world_cloud;
+  const std::vector<Eigen::Matrix3d> ways = ways_to_name_axes();
+  for (const bool is_level : {true, false}) {
+    for (const Eigen::Matrix3d& axes : ways) {
+      if (keeps_z(axes) != is_level) continue;
+      if (axes.determinant() < 0.0) {
+        readings.push_back({PoseReading::kMirrored, fmt::format("with axes read as ({})", names_of(axes)),
+                            [&poses, axes](std::size_t i) { return with_axes(poses[i], axes); }});
+      } else if (!is_level && !robot.finished_submaps) {
+        readings.push_back(turned_reading(robot, axes));
+      }
+    }
+  }
+  for (const Eigen::Matrix3d& axes : ways) {
+    if (axes.isIdentity()) continue;
+    readings.push_back({PoseReading::kOtherAxes,
+                        fmt::format("with positions read as ({}) and rotations as they are", names_of(axes)),
+                        [&poses, axes](std::size_t i) {
+                          return Pose3(poses[i].rotation(), axes.transpose() * poses[i].translation_m());
+                        }});
+  }
+}
+
 }  // namespace
 
 Pose3 with_axes(const Pose3& T, const Eigen::Matrix3d& axes) {
@@ -74,7 +115,7 @@ Pose3 with_axes(const Pose3& T, const Eigen::Matrix3d& axes) {
 Reading turned_reading(const RobotLog& robot, const Eigen::Matrix3d& R_body_sensor) {
   const Eigen::AngleAxisd turn(R_body_sensor);
   const Eigen::Quaterniond q(R_body_sensor);
-  const Eigen::Vector3d axis = turn.axis();
+  const Eigen::Vector3d& axis = turn.axis();
   Eigen::Index main = 0;
   const bool is_plain = axis.cwiseAbs().maxCoeff(&main) > 0.999;
   const std::string about = is_plain ? fmt::format("{}{}", axis[main] < 0.0 ? "-" : "", "xyz"[main])
@@ -106,42 +147,14 @@ std::vector<Reading> other_readings(std::span<const RobotLog> robots, std::size_
                         },
                         {}});
   }
-  for (int n = 1; n <= kMostClouds && !robot.finished_submaps; ++n) {
-    for (const int by : {n, -n}) {
-      readings.push_back(
-          {PoseReading::kShifted,
-           fmt::format("under the poses of {} cloud{} {}", n, n == 1 ? "" : "s", by > 0 ? "later" : "before"),
-           [&poses, by](std::size_t i) -> std::optional<Pose3> {
-             const std::int64_t at = static_cast<std::int64_t>(i) + by;
-             if (at < 0 || at >= static_cast<std::int64_t>(poses.size())) return std::nullopt;
-             return poses[static_cast<std::size_t>(at)];
-           }});
+  if (!robot.finished_submaps) {
+    add_shifts(poses, readings);
+    for (int yaw_deg = kYawStep_deg; yaw_deg < 360; yaw_deg += kYawStep_deg) {
+      const Eigen::AngleAxisd yaw(yaw_deg / kDegrees, Eigen::Vector3d::UnitZ());
+      readings.push_back(turned_reading(robot, yaw.toRotationMatrix()));
     }
   }
-  for (int yaw_deg = kYawStep_deg; yaw_deg < 360 && !robot.finished_submaps; yaw_deg += kYawStep_deg) {
-    const Eigen::AngleAxisd yaw(yaw_deg / kDegrees, Eigen::Vector3d::UnitZ());
-    readings.push_back(turned_reading(robot, yaw.toRotationMatrix()));
-  }
-  const std::vector<Eigen::Matrix3d> ways = ways_to_name_axes();
-  for (const bool is_level : {true, false}) {
-    for (const Eigen::Matrix3d& axes : ways) {
-      if (keeps_z(axes) != is_level || axes.isIdentity()) continue;
-      if (axes.determinant() > 0.0) {
-        if (!is_level && !robot.finished_submaps) readings.push_back(turned_reading(robot, axes));
-        continue;
-      }
-      readings.push_back({PoseReading::kMirrored, fmt::format("with axes read as ({})", names_of(axes)),
-                          [&poses, axes](std::size_t i) { return with_axes(poses[i], axes); }});
-    }
-  }
-  for (const Eigen::Matrix3d& axes : ways) {
-    if (axes.isIdentity()) continue;
-    readings.push_back({PoseReading::kOtherAxes,
-                        fmt::format("with positions read as ({}) and rotations as they are", names_of(axes)),
-                        [&poses, axes](std::size_t i) {
-                          return Pose3(poses[i].rotation(), axes.transpose() * poses[i].translation_m());
-                        }});
-  }
+  add_axes(robot, readings);
   return readings;
 }
 

@@ -170,7 +170,7 @@ std::optional<OtherReading> find_other_reading(std::span<const RobotLog> robots,
   if (!robot.read_cloud) return std::nullopt;
   const CloudLooks looks(robot);
   if (looks.empty()) return std::nullopt;
-  const std::optional<OtherReading> other = likelier_reading(robots, place, looks);
+  std::optional<OtherReading> other = likelier_reading(robots, place, looks);
   if (looks.go_along()) {
     const Reading in_world{
         PoseReading::kCloudsInWorld, "without their poses", [](std::size_t) { return std::optional(Pose3()); }, {}};
