@@ -135,11 +135,10 @@ constexpr std::array kFindings = {
         "Large means consistent. `gamma_literal` is without floors. A parallel offset can score as well as a good "
         "pair, so it is never a verdict by itself. null where fewer than `overlap_min` of the voxels or `matched_min` "
         "of them met, or their distances are no distribution: the paper asks for an overlap first."},
-    Topic{"mu",
-          "`mu`, `sigma`: the normal distribution, cut off at 0 and `d`, that the paper fits to a pair's distances "
-          "between "
-          "matched voxels; `mu_t`, `var_t` are that distribution's mean and variance as cut off, which Gamma is made "
-          "of."},
+    Topic{
+        "mu",
+        "`mu`, `sigma`: the normal distribution, cut off at 0 and `d`, that the paper fits to the distances between a "
+        "pair's matched voxels; `mu_t`, `var_t`: its mean and variance as cut off, of which Gamma is made."},
     Topic{
         "log-probability",
         "The paper's Eq. (6) and (7): sums of the logarithms of the pairs' probabilities of being consistent, for each "

@@ -12,22 +12,22 @@
 namespace kilter {
 namespace {
 
-// As given, the best of the other readings met 1.02 times as many points at most where nothing was wrong, and where
-// something was, the right one 1.27 times at least.
+// Before cells had a border (CloudLooks), the best of the other readings met 1.02 times as many points at most where
+// nothing was wrong, and where something was, the right one 1.27 times at least.
 constexpr double kMoreMeet = 1.2;        // times as many points, or, in
 constexpr double kMoreMeetAtSome = 1.4;  // some pairs
-// Under the right reading as many points meet as of the next cloud, whose place hardly matters: 0.86 of them or more,
-// and up to 0.83 under the best of readings where none was right.
+// Under the right reading as many points meet as of the next cloud, whose place hardly matters: then 0.86 of them or
+// more, and up to 0.83 under the best of readings where none was right.
 constexpr double kLikeNext = 0.85;
 // Where a mounting was left out and is none that is tried, inverted poses fit better too, and reach 0.39 to 0.64, and
 // 0.03 to 0.16 meet as given.
 constexpr double kUnlikeNext = 0.25;
-constexpr std::size_t kFewPoints = 4;  // each fourth tells which readings are worth all of them,
-constexpr double kLikely = 0.95;       // this near to the best
-constexpr double kLeastGain = 1.05;    // less is never clear
-constexpr double kFitsWell = 0.9;      // of the next cloud: needs no finer search
-constexpr double kFewMeet = 0.1;       // of the next cloud
-constexpr double kSameShare = 0.98;    // of the best: as good
+constexpr std::size_t kScreenEvery = 4;  // each fourth tells which readings are worth all of them,
+constexpr double kLikely = 0.95;         // this near to the best
+constexpr double kLeastGain = 1.05;      // less is never clear
+constexpr double kFitsWell = 0.9;        // of the next cloud: needs no finer search
+constexpr double kFewMeet = 0.1;         // of the next cloud
+constexpr double kSameShare = 0.98;      // of the best: as good
 constexpr std::size_t kFewestTurns = 3;
 constexpr double kSmallTurn_rad = 0.2;  // that a map which is bent may fit better with
 constexpr double kNearlyAsGood = 0.9;
@@ -45,14 +45,14 @@ double gain_of(const Shares& shares, const CloudLooks& looks) {
 
 // A mounting between those that are tried: by turns of a few degrees about each axis, for as long as more points meet.
 Eigen::Matrix3d refined(const RobotLog& robot, const CloudLooks& looks, Eigen::Matrix3d R_body_sensor) {
-  double most = looks.of(turned_reading(robot, R_body_sensor), kFewPoints).meets;
+  double most = looks.of(turned_reading(robot, R_body_sensor), kScreenEvery).meets;
   for (double step_rad = kFirstTurn_rad; step_rad >= kFinestTurn_rad; step_rad /= 2.0) {
     for (bool is_better = true; is_better;) {
       is_better = false;
       for (int turn = 0; turn < 6; ++turn) {
         const Eigen::AngleAxisd by(turn < 3 ? step_rad : -step_rad, Eigen::Vector3d::Unit(turn % 3));
         const Eigen::Matrix3d tried = R_body_sensor * by.toRotationMatrix();
-        const double meets = looks.of(turned_reading(robot, tried), kFewPoints).meets;
+        const double meets = looks.of(turned_reading(robot, tried), kScreenEvery).meets;
         if (meets <= most) continue;
         most = meets;
         R_body_sensor = tried;
@@ -73,7 +73,7 @@ std::vector<Tried> try_all(std::span<const RobotLog> robots, std::size_t place, 
   std::vector<Tried> all;
   double likely = 0.0;
   for (Reading& reading : other_readings(robots, place)) {
-    const Shares shares = looks.of(reading, kFewPoints);
+    const Shares shares = looks.of(reading, kScreenEvery);
     all.push_back({std::move(reading), shares, gain_of(shares, looks)});
     likely = std::max(likely, all.back().gain);
   }
@@ -115,8 +115,8 @@ OtherReading to_reading(const Reading& reading, const Shares& shares) {
   return {reading.kind, shares.as_given, shares.meets, reading.how};
 }
 
-// The plainest of those as good as the best, if it is clear and meets as it should. A level robot's y axis turned over
-// is the same as a sensor on its head.
+// The plainest of those as good as the best, if it is clear and meets as it should; with what looks alike: a level
+// robot's y axis turned over is a sensor on its head, and may be another robot's way.
 std::optional<OtherReading> plainest(const std::vector<Tried>& all, double next_meets) {
   double most = 0.0;
   for (const Tried& tried : all) most = std::max(most, tried.gain);
