@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What to do about a pair, in plain words.
 import type { Archive, Pair, Submap } from "./archive.js";
-import { centimetres, parts, shift } from "./words.js";
+import { centimetres, heading, parts, shift, turn, turnInWords } from "./words.js";
 
 function scans(submap: Submap): string {
   return submap.first_scan === null ? submap.id : `scans ${submap.first_scan} to ${submap.last_scan} of ${submap.robot}`;
@@ -67,14 +67,50 @@ function moveIsNoCure(pair: Pair): boolean {
   return /no rigid motion mends|is bent, or slipped inside/.test(pair.reason);
 }
 
-/** How the source would have to move; empty where that is not known. */
-export function cure(archive: Archive, number: number): { moved: string; best: boolean; open: string } | null {
+/** How the source has to turn, where a shift alone would leave more than the tolerance; else empty. */
+function turnNeeded(archive: Archive, number: number): string {
   const pair = archive.result.pairs[number]!;
+  const by = turn(archive, number);
+  if (!by || pair.offset_m === null || !pair.offset_vector) return "";
+  const left2 = pair.offset_m ** 2 - pair.offset_vector.reduce((sum, metres) => sum + metres ** 2, 0);
+  if (left2 <= Number(archive.result.config["tolerance"]) ** 2) return "";
+  return turnInWords(by, heading(archive, archive.pairs[number]!.source));
+}
+
+/** What would mend a pair: a shift ("12 cm ahead"), a turn ("turned 2.4 degrees to the left") or both; whether it is only
+ * the best that a move can do; and what it leaves open. */
+export interface Cure {
+  moved: string;
+  turned: string;
+  best: boolean;
+  open: string;
+}
+
+/** How the source would have to move; null where that is not known. */
+export function cure(archive: Archive, number: number): Cure | null {
+  const pair = archive.result.pairs[number]!;
+  if (correctionOpen(pair)) return null;
   const moved = shift(parts(archive, number));
-  if (moved === "" || correctionOpen(pair)) return null;
+  const turns = turnNeeded(archive, number);
+  if (moved === "" && turns === "") return null;
   const directions = pair.unobservable?.length ?? 0;
   const open = directions === 0 ? "" : `; along the dashed ax${directions === 1 ? "is" : "es"} nothing is known`;
-  return { moved, best: moveIsNoCure(pair), open };
+  return { moved, turned: turns, best: moveIsNoCure(pair), open };
+}
+
+const kMiddle = "about the middle of what both saw";
+
+/** "b/2 would fit if moved 12 cm ahead, and turned 2.4 degrees to the left about the middle of what both saw". */
+export function wouldFit(source: string, { moved, turned, best, open }: Cure): string {
+  const moves = [moved && `moved ${moved}`, turned && `${turned} ${kMiddle}`].filter(Boolean);
+  return `${source} would fit ${best ? "best " : ""}if ${moves.join(", and ")}${open}`;
+}
+
+/** "move b/2 12 cm ahead, and turn it 2.4 degrees to the left about the middle of what both saw". */
+export function toMend(source: string, { moved, turned, best, open }: Cure): string {
+  const turns = turned && `${turned.replace(/^(turn|tilt)ed/, (_, how: string) => `${how} ${moved === "" ? source : "it"}`)} ${kMiddle}`;
+  const moves = [moved && `move ${source} ${moved}`, turns].filter(Boolean);
+  return `${moves.join(", and ")}${best ? ", which mends it in part" : ""}${open}`;
 }
 
 /** Whether others that share a submap with a pair are inconsistent by a registration that is believed. */

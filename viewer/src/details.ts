@@ -3,7 +3,7 @@
 // What was measured on the selected pair, in words, as a histogram and as evidence.
 import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
-import { action, correctionOpen, cure, notBelieved } from "./advice.js";
+import { action, correctionOpen, cure, notBelieved, toMend } from "./advice.js";
 import type { Evidence, Histogram, Pair } from "./archive.js";
 import { css, sourceColour, targetColour } from "./colours.js";
 import { byId, element } from "./dom.js";
@@ -106,7 +106,7 @@ function facts(state: State): HTMLElement {
   const rows: [string, string][] = [
     ["What it is", kindInWords[pair.kind]],
     ["Offset", offset(pair)],
-    ["To mend it", mended === null ? "unknown" : `move ${pair.source} ${mended.moved}${mended.best ? ", which mends it in part" : ""}${mended.open}`],
+    ["To mend it", mended === null ? "unknown" : toMend(pair.source, mended)],
     ["Gap between double walls", centimetres(pair.gap_m)],
     ["Smallest offset seen here", centimetres(pair.minimum_detectable_m)],
     ["Directions left open", pair.unobservable === null ? "unknown" : pair.unobservable.length === 0 ? "none" : pair.unobservable.length === 1 ? "one, drawn as a dashed axis" : `${pair.unobservable.length}, drawn as dashed axes`],

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The kilter authors
 // SPDX-License-Identifier: BSD-3-Clause
 // The worst places first: pairs that disagree at one place make one entry.
-import { action, correctionOpen, cure } from "./advice.js";
+import { action, correctionOpen, cure, wouldFit } from "./advice.js";
 import type { Archive, Pair } from "./archive.js";
 import { byId, element } from "./dom.js";
 import type { State } from "./state.js";
@@ -68,7 +68,7 @@ function card(state: State, place: Place, sign: string): HTMLElement {
       element("b", {}, known ? `${offset} apart` : "offset not known"),
       ` ${pair.target} and ${pair.source}`,
       element("small", {}, `${kindInWords[pair.kind]}; ${probability(pair.p_inconsistent)}`),
-      mended && element("small", { class: "more" }, `${pair.source} would fit ${mended.best ? "best " : ""}if moved ${mended.moved}${mended.open}`),
+      mended && element("small", { class: "more" }, wouldFit(pair.source, mended)),
       element("small", { class: "action more" }, action(state.archive, place.pair)),
       more === 0 ? null : element("small", { class: "more" }, `${more} more pair${more === 1 ? "" : "s"} of these robots disagree here`),
     ),

@@ -96,6 +96,33 @@ export function shift(given: Parts | null): string {
   return `${along.join(" ")} cm in world axes`;
 }
 
+/** How the source would have to turn about the middle of what both saw, along the world's axes, its length the angle; null
+ * where no registered pose tells. [rad] */
+export function turn(archive: Archive, number: number): Vector3 | null {
+  const pair = archive.result.pairs[number]!;
+  const target = archive.result.submaps[archive.pairs[number]!.target]!;
+  if (!pair.T_target_source_registered) return null;
+  const by = rotation(pair.T_target_source_registered).multiply(rotation(pair.T_target_source).invert());
+  const axis = new Vector3(by.x, by.y, by.z);
+  const sine = axis.length();
+  if (sine === 0) return axis;
+  const angle = 2 * Math.atan2(sine, Math.abs(by.w)) * (by.w < 0 ? -1 : 1);
+  return axis.multiplyScalar(angle / sine).applyQuaternion(rotation(target.T_world_submap));
+}
+
+/** "turned 2.4 degrees to the left" as seen from above, or "tilted by 2.4 degrees, front down": about a level axis, told
+ * by the robot's way or the world's axes. */
+export function turnInWords(by: Vector3, ahead: Vector3 | null): string {
+  const angle = (180 / Math.PI) * by.length();
+  const degrees = `${angle.toFixed(angle < 1 ? 2 : 1)} degrees`;
+  if (Math.abs(by.z) >= Math.hypot(by.x, by.y)) return `turned ${degrees} to the ${by.z > 0 ? "left" : "right"}`;
+  const x = ahead ?? new Vector3(1, 0, 0);
+  const roll = by.x * x.x + by.y * x.y;
+  const pitch = by.y * x.x - by.x * x.y; // about what lies to the left
+  if (Math.abs(pitch) >= Math.abs(roll)) return `tilted by ${degrees}, ${ahead ? "front" : "its side towards x+"} ${pitch > 0 ? "down" : "up"}`;
+  return `tilted by ${degrees}, ${ahead ? "left side" : "its side towards y+"} ${roll > 0 ? "up" : "down"}`;
+}
+
 export const kindInWords = {
   sequential: "one piece of a robot's way and the next",
   local: "a robot that came back to a place it had seen",

@@ -8,7 +8,7 @@ import { readFileSync } from "node:fs";
 import { join } from "node:path";
 import { modules, root } from "./bundle.mjs";
 
-const { action, bentInside, correctionOpen, cure, parts, shift } = await modules("advice", "words");
+const { action, bentInside, correctionOpen, cure, parts, shift, toMend, wouldFit } = await modules("advice", "words");
 
 function test(name, body) {
   let error = null;
@@ -68,7 +68,7 @@ test("without a way the world's axes tell the direction", () => {
 });
 
 test("what open directions and bends leave is no cure", () => {
-  assert.deepEqual(cure(archive(), 0), { moved: "85 cm ahead, 120 cm to the left", best: false, open: "" });
+  assert.deepEqual(cure(archive(), 0), { moved: "85 cm ahead, 120 cm to the left", turned: "", best: false, open: "" });
   assert.match(cure(archive({ unobservable: [[1, 0, 0, 0, 0, 0]] }), 0).open, /along the dashed axis nothing is known/);
   const reason = "offset 147.0 cm (140.0 to 150.0 cm): above the tolerance of 10.0 cm; no rigid motion mends all of it, the source is bent, or slipped inside";
   const bent = archive({ reason, evidence: { bend_m: { value: 0.2, null: null, log_ratio: null } } });
@@ -77,6 +77,56 @@ test("what open directions and bends leave is no cure", () => {
   const only = archive({ offset_m: 0.05, reason: "offset 5.0 cm (4.0 to 6.0 cm), but with it parts of the overlap lie 20.0 cm apart (RMS), above the tolerance of 10.0 cm: the target is bent, or slipped inside" });
   assert.match(action(only, 0), /a\/1 is bent.*first\.$/);
   assert.doesNotMatch(action(archive(), 0), /bent or slipped/);
+});
+
+/** A pose that turns about an axis by so many degrees, at the origin. */
+function about([x, y, z], degrees) {
+  const half = (degrees * Math.PI) / 360;
+  return [0, 0, 0, x * Math.sin(half), y * Math.sin(half), z * Math.sin(half), Math.cos(half)];
+}
+
+const still = about([0, 0, 1], 0);
+
+test("where a shift alone leaves too much, the turn is told", () => {
+  const turns = (axis, degrees, more = {}) =>
+    archive({ T_target_source: still, T_target_source_registered: about(axis, degrees), offset_m: 1.6, offset_vector: [0, 1.5, 0], ...more });
+  const left = cure(turns([0, 0, 1], 2.4), 0);
+  assert.equal(wouldFit("a/2", left), "a/2 would fit if moved 150 cm ahead, and turned 2.4 degrees to the left about the middle of what both saw");
+  assert.equal(toMend("a/$&", left), "move a/$& 150 cm ahead, and turn it 2.4 degrees to the left about the middle of what both saw");
+  assert.equal(cure(turns([0, 0, 1], -0.44), 0).turned, "turned 0.44 degrees to the right");
+  // What is left is as large as the tolerance: the shift does.
+  assert.equal(cure(turns([0, 0, 1], 2.4, { offset_m: Math.hypot(1.5, 0.0999) }), 0).turned, "");
+  assert.notEqual(cure(turns([0, 0, 1], 2.4, { offset_m: Math.hypot(1.5, 0.1001) }), 0).turned, "");
+  // Only what registration adds counts, and the other of two quaternions is the same pose.
+  const more = turns([0, 0, 1], 92.4, { T_target_source: about([0, 0, 1], 90) });
+  assert.equal(cure(more, 0).turned, "turned 2.4 degrees to the left");
+  const pair = more.result.pairs[0];
+  pair.T_target_source_registered = pair.T_target_source_registered.map((number) => -number);
+  assert.equal(cure(more, 0).turned, "turned 2.4 degrees to the left");
+});
+
+test("a turn without a shift is a cure, and without a registered pose there is none", () => {
+  const only = archive({ T_target_source: still, T_target_source_registered: about([0, 0, 1], 3), offset_m: 0.4, offset_vector: [0, 0, 0] });
+  assert.equal(wouldFit("a/2", cure(only, 0)), "a/2 would fit if turned 3.0 degrees to the left about the middle of what both saw");
+  assert.equal(toMend("a/2", cure(only, 0)), "turn a/2 3.0 degrees to the left about the middle of what both saw");
+  only.result.pairs[0].T_target_source_registered = null;
+  assert.equal(cure(only, 0), null);
+});
+
+test("a turn is told in the world, whatever the target's axes: a tilt by the robot's way", () => {
+  const tilts = (axis, source = 1) => {
+    const made = archive({ T_target_source: still, T_target_source_registered: about(axis, 3), offset_m: 0.4, offset_vector: [0, 0, 0] }, source);
+    return cure(made, 0).turned;
+  };
+  // The way goes along y: x lies to the right.
+  assert.equal(tilts([1, 0, 0]), "tilted by 3.0 degrees, front up");
+  assert.equal(tilts([-1, 0, 0]), "tilted by 3.0 degrees, front down");
+  assert.equal(tilts([0, 1, 0]), "tilted by 3.0 degrees, left side up");
+  assert.equal(tilts([0, 1, 0], 2), "tilted by 3.0 degrees, its side towards x+ down");
+  assert.equal(tilts([1, 0, 0], 2), "tilted by 3.0 degrees, its side towards y+ up");
+  const upside = archive({ T_target_source: still, T_target_source_registered: about([0, 0, 1], 3), offset_m: 0.4, offset_vector: [0, 0, 0] });
+  upside.result.submaps[0].T_world_submap = about([1, 0, 0], 180);
+  assert.equal(cure(upside, 0).turned, "turned 3.0 degrees to the right");
 });
 
 test("others are to be mended first only where there are others", () => {
