@@ -19,6 +19,7 @@ from pathlib import Path
 from kilter_runner import SOURCE_DIR, kilter_binary, main, run_kilter
 from tiny_mission import TinyMission
 
+LONG = "warehouse-north-2026-11-29-afternoon-run-of-robot-"
 HOSTILE = ("<img src=x onerror=alert(1)>", "\"'><b>&amp;%2F#")
 
 
@@ -80,6 +81,11 @@ class Viewer(unittest.TestCase):
                 shutil.move(tiny.mission / robot, tiny.mission / name)
             return self.check("hostile", tiny.mission)
 
+    def long(self):
+        """A report of robots whose names are long, and differ only where they end."""
+        with TinyMission() as tiny:
+            return self.check("long", *(f"{LONG}{robot}={tiny.mission / robot}" for robot in "ab"))
+
     def fleet(self):
         """A report of eight robots, four that went each way of the tiny mission."""
         with TinyMission() as tiny:
@@ -123,6 +129,12 @@ class Viewer(unittest.TestCase):
             self.skipTest("kilter was built without its viewer")
         pages = [report, self.hostile(), self.fleet(), self.clouds(), self.alone()]
         self.assertGreaterEqual(self.check_lines("report_test.mjs", *pages, self.shots), 28)
+
+    def test_the_report_looks_right_on_paper_and_elsewhere(self):
+        report = self.long()
+        if b"built without its viewer" in report.read_bytes():
+            self.skipTest("kilter was built without its viewer")
+        self.assertGreaterEqual(self.check_lines("looks_test.mjs", report, self.alone(), self.shots), 2)
 
     def test_the_report_command_writes_the_same_bytes(self):
         with TinyMission() as tiny:

@@ -6,7 +6,8 @@ import type { Verdict } from "./archive.js";
 import { css, misalignmentColour, robotColour, scaleColour, verdictColour } from "./colours.js";
 import { byId, choice, element, hideTip, showTip } from "./dom.js";
 import { extentOf, isFinished, kEverything, kWalls, meanOf, placeOf, sensorHeight, wallsShow, worldFromCloud } from "./framing.js";
-import { paintPin, ramp, shortened } from "./marks.js";
+import { paintPin, ramp } from "./marks.js";
+import { shortened } from "./names.js";
 import type { Place } from "./places.js";
 import { CloudPoints, halo, Pane, themed, ThinLines } from "./scene.js";
 import type { State } from "./state.js";
@@ -381,7 +382,7 @@ export class MapView {
       if (taken.some((other) => Math.abs(other.x - at.x) < 44 && Math.abs(other.y - at.y) < 16)) continue;
       taken.push(at);
       context.font = chosen ? "bold 13px system-ui, sans-serif" : "11px system-ui, sans-serif";
-      halo(context, shortened(archive.result.submaps[submap]!.id), at.x, at.y - 11, ink, paper);
+      halo(context, shortened(archive.result.submaps[submap]!.id, this.state.common), at.x, at.y - 11, ink, paper);
       context.fillStyle = ink;
       context.beginPath();
       context.arc(at.x, at.y, chosen ? 4 : 2.5, 0, 7);

@@ -1,13 +1,11 @@
 // SPDX-FileCopyrightText: The kilter authors
 // SPDX-License-Identifier: BSD-3-Clause
-// What is drawn over points and beside them: pins, axes, strips of colours, names that fit.
+// What is drawn over points and beside them: pins, axes and strips of colours.
 import { Vector3, type Quaternion } from "three";
 import type { Pair } from "./archive.js";
 import { css, verdictColour } from "./colours.js";
 import { element } from "./dom.js";
 import { halo, themed, type Pane } from "./scene.js";
-
-export const shortened = (name: string): string => (name.length <= 14 ? name : `~${name.slice(-13)}`);
 
 /** A strip of colours, for a legend. */
 export function ramp(colour: (share: number) => string): HTMLElement {

@@ -4,6 +4,7 @@
 import type { Kind, Pair } from "./archive.js";
 import { belowColour, css, robotColour, scaleColour } from "./colours.js";
 import { byId, element, fitted, hideTip, showTip } from "./dom.js";
+import { shortened } from "./names.js";
 import { themed } from "./scene.js";
 import type { State } from "./state.js";
 import { pairTip } from "./tips.js";
@@ -173,7 +174,7 @@ class Matrix {
       context.fillRect(left + from + 1, top + size + 2, Math.max(1, to - from - 2), 4);
       context.fillStyle = themed("--ink");
       if (to - from >= 14) {
-        const name = robot.name.length <= 8 ? robot.name : `${robot.name.slice(0, 7)}~`;
+        const name = shortened(robot.name, this.state.common, 8);
         context.save();
         context.translate(left - 10, top + (from + to) / 2);
         context.rotate(-Math.PI / 2);

@@ -6,7 +6,8 @@ import { kNothing, kSteps, kThrough, type Pair, type PairPicture, type Samples }
 import { belowColour, css, scaleColour, sourceColour, targetColour, verdictColour } from "./colours.js";
 import { byId, choice, element } from "./dom.js";
 import { isFinished, kEverything, kWalls, placeOf, sensorHeight, wallsShow, worldFromCloud } from "./framing.js";
-import { paintOpenDirections, shortened } from "./marks.js";
+import { paintOpenDirections } from "./marks.js";
+import { shortened } from "./names.js";
 import { CloudPoints, evenOrder, halo, Pane, themed } from "./scene.js";
 import type { State } from "./state.js";
 import { rotation, translation } from "./words.js";
@@ -216,12 +217,7 @@ export class PairView {
       return mark;
     };
     this.title.replaceChildren(
-      "Pair ",
-      swatch(css(targetColour)),
-      pair.target,
-      " and ",
-      swatch(css(sourceColour)),
-      pair.source,
+      element("span", { class: "names" }, "Pair ", swatch(css(targetColour)), pair.target, " and ", swatch(css(sourceColour)), pair.source),
       " ",
       element("span", { class: `verdict ${pair.verdict}` }, pair.verdict),
     );
@@ -375,7 +371,7 @@ export class PairView {
       const above = submap === picture.target; // two names at one place must not cover each other
       context.textBaseline = above ? "bottom" : "top";
       const what = isFinished(archive, submap) ? "" : "start of ";
-      halo(context, `${what}${shortened(archive.result.submaps[submap]!.id)}`, where.x, where.y + (above ? -8 : 8), ink, paper);
+      halo(context, `${what}${shortened(archive.result.submaps[submap]!.id, this.state.common)}`, where.x, where.y + (above ? -8 : 8), ink, paper);
     }
     this.pane.scaleBar(context, width, height, ink);
   }

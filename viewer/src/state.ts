@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What is selected and how it is shown; every view listens here and none talks to another.
 import type { Archive, Pair } from "./archive.js";
+import { commonBeginning } from "./names.js";
 
 export type Listener = () => void;
 
@@ -16,7 +17,12 @@ export class State {
     theme: [],
   };
 
-  constructor(readonly archive: Archive) {}
+  /** What all robots' names begin with. */
+  readonly common: string;
+
+  constructor(readonly archive: Archive) {
+    this.common = commonBeginning(archive.result.robots.map((robot) => robot.name));
+  }
 
   get pairs(): Pair[] {
     return this.archive.result.pairs;

@@ -4,6 +4,7 @@
 import { correctionOpen, notBelieved } from "./advice.js";
 import type { Pair } from "./archive.js";
 import { byId, element } from "./dom.js";
+import { partsOfName } from "./names.js";
 import { worstFirst } from "./places.js";
 import type { State } from "./state.js";
 import { centimetres, large, shortProbability } from "./words.js";
@@ -39,7 +40,7 @@ const kMostPrinted = 1000;
 
 /** What a cell says under the pointer. */
 function hint(column: Column, pair: Pair): string {
-  if (column.key === "reason") return pair.reason;
+  if (["reason", "target", "source"].includes(column.key)) return column.text(pair);
   return column.key === "offset" && pair.offset_m !== null && correctionOpen(pair) ? notBelieved(pair) : "";
 }
 
@@ -185,12 +186,21 @@ export class Table {
         return element(
           "tr",
           { data: { pair: String(number) }, on: { click: () => this.state.select(number) } },
-          ...kColumns.map((column) => element("td", { class: `c-${column.key} ${column.key === "verdict" ? pair.verdict : ""}`, title: hint(column, pair) }, column.text(pair))),
+          ...kColumns.map((column) => element("td", { class: `c-${column.key} ${column.key === "verdict" ? pair.verdict : ""}`, title: hint(column, pair) }, this.content(column, number))),
         );
       }),
     );
     this.more.hidden = this.rows.length <= this.limit;
     this.mark(false);
+  }
+
+  /** A submap's name shrinks from what all have in common to what is its own. */
+  private content({ key, text }: Column, number: number): Node | string {
+    const { source, target } = this.state.archive.pairs[number]!;
+    if (key !== "source" && key !== "target") return text(this.state.pairs[number]!);
+    const { id, robot } = this.state.archive.result.submaps[key === "source" ? source : target]!;
+    const [common, own, piece] = partsOfName(id, robot, this.state.common);
+    return element("span", { class: "name" }, element("span", { class: "common" }, common), element("span", { class: "own" }, own), element("span", {}, piece));
   }
 
   private mark(reveal: boolean): void {

@@ -5,31 +5,15 @@
 // one whose robots have hostile names, one of many robots, one of finished clouds in world coordinates and one without
 // any pair. Prints a line of JSON per test; screenshots go to FOLDER. tests/viewer_test.py runs it.
 import assert from "node:assert/strict";
-import { mkdirSync } from "node:fs";
 import { join } from "node:path";
 import { launch, open } from "./browser.mjs";
+import { frame, painted, tester } from "./harness.mjs";
 
 const [report, hostile, fleet, clouds, alone, folder] = process.argv.slice(2);
-mkdirSync(folder, { recursive: true });
 const browser = await launch();
-
-async function test(name, options, body) {
-  let error = null;
-  const opened = await open(browser, options.file ?? report, options);
-  try {
-    await body(opened.page, opened);
-    assert.deepEqual(opened.complaints, [], "the browser complained");
-    assert.deepEqual(opened.requests, [], "the page asked the network");
-  } catch (caught) {
-    error = String(caught.stack ?? caught);
-    await opened.page.screenshot({ path: join(folder, `failed-${name.replaceAll(/\W+/g, "-")}.png`) }).catch(() => undefined);
-  }
-  await opened.context.close();
-  console.log(JSON.stringify({ name, ok: error === null, error }));
-}
+const test = tester(browser, report, folder);
 
 const selected = (page) => page.evaluate(() => window.kilter.state.selected);
-const frame = (page) => page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
 
 /** What every view says is selected. */
 async function everywhere(page, pair) {
@@ -52,28 +36,6 @@ async function everywhere(page, pair) {
   assert.ok(seen.title.includes(target) && seen.title.includes(source), seen.title);
   assert.deepEqual(seen.rows, [pair]);
   assert.ok(seen.details.includes(seen.reason));
-}
-
-/** Share of a canvas's pixels that differ from its commonest colour, and a number that changes with what is drawn. */
-async function painted(page, selector) {
-  // What was asked for is drawn with the next frame, and once more in full when movement has ended.
-  await frame(page);
-  await page.waitForTimeout(300);
-  await frame(page);
-  return page.evaluate((selector) => {
-    const canvas = document.querySelector(selector);
-    const copy = new OffscreenCanvas(canvas.width, canvas.height);
-    const context = copy.getContext("2d");
-    context.drawImage(canvas, 0, 0);
-    const words = new Uint32Array(context.getImageData(0, 0, canvas.width, canvas.height).data.buffer);
-    const counts = new Map();
-    let hash = 0;
-    for (const word of words) {
-      counts.set(word, (counts.get(word) ?? 0) + 1);
-      hash = (Math.imul(hash, 31) + word) | 0;
-    }
-    return { share: 1 - Math.max(...counts.values()) / words.length, colours: counts.size, hash };
-  }, selector);
 }
 
 const pairs = (page) => page.evaluate(() => window.kilter.state.pairs.map((pair, n) => ({ n, verdict: pair.verdict, kind: pair.kind, offset: pair.offset_m, registered: pair.T_target_source_registered !== null })));

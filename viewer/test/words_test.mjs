@@ -8,7 +8,7 @@ import { readFileSync } from "node:fs";
 import { join } from "node:path";
 import { modules, root } from "./bundle.mjs";
 
-const { action, bentInside, correctionOpen, cure, parts, shift, toMend, wouldFit } = await modules("advice", "words");
+const { action, bentInside, commonBeginning, correctionOpen, cure, parts, partsOfName, shift, shortened, toMend, wouldFit } = await modules("advice", "names", "words");
 
 function test(name, body) {
   let error = null;
@@ -136,6 +136,34 @@ test("others are to be mended first only where there are others", () => {
   assert.doesNotMatch(action(archive(open), 0), /others/);
   const other = { ...archive().result.pairs[0], source: "b/1" };
   assert.match(action(archive(open, 1, [other]), 0), /Mend the others around it first/);
+});
+
+test("a name that does not fit keeps what tells it from others", () => {
+  const robots = ["warehouse_north_alpha", "warehouse_north_beta"];
+  const common = commonBeginning(robots);
+  assert.equal(common, "warehouse_north_");
+  assert.deepEqual(robots.map((name) => shortened(name, common, 8)), ["~alpha", "~beta"]);
+  assert.equal(shortened(`${robots[0]}/12`, common), "~alpha/12");
+  assert.deepEqual(partsOfName(`${robots[1]}/3`, robots[1], common), [common, "beta", "/3"]);
+  // Still too long: of the rest both ends are kept. What fits stays as it is.
+  assert.equal(shortened(`${common}in the very cold hall/12`, common), "~in the~all/12");
+  assert.equal(shortened("carrier/3", "c"), "carrier/3");
+  // One name that begins another is not cut to nothing, and one alone has nothing in common.
+  assert.equal(commonBeginning(["robot", "robot2"]), "robo");
+  assert.equal(commonBeginning(["robot"]), "");
+  assert.equal(commonBeginning([]), "");
+  assert.equal(commonBeginning(["a", "b"]), "");
+});
+
+test("a name is cut between letters, never inside one", () => {
+  const robots = ["\u{1F600}\u{1F697}".repeat(9), "\u{1F600}\u{1F699}".repeat(9)];
+  const common = commonBeginning(robots);
+  assert.equal(common, "\u{1F600}");
+  for (const most of [7, 8, 14, 15]) {
+    for (const name of robots) assert.ok(shortened(name, common, most).isWellFormed?.() ?? true);
+    assert.ok([...shortened(robots[0], common, most)].length <= most);
+    assert.notEqual(shortened(robots[0], common, most), shortened(robots[1], common, most));
+  }
 });
 
 const kOffset = "offset 48.2 cm (40.1 to 55.0 cm)";
