@@ -9,7 +9,7 @@ import { Matrices } from "./matrices.js";
 import { PairView } from "./pair_view.js";
 import { showPlaces, worstFirst, worstPlaces } from "./places.js";
 import { forgetTheme } from "./scene.js";
-import { State } from "./state.js";
+import { readable, State } from "./state.js";
 import { Table } from "./table.js";
 import { showVerdict } from "./verdict.js";
 
@@ -95,14 +95,6 @@ function tellStray(state: State, instead = ""): void {
   const note = element("p", { class: "stray" }, `The address names a pair that is not in this report (${readable(location.hash.slice(6))}).${instead}`);
   holder.append(note);
   state.on("selection", () => note.remove());
-}
-
-function readable(fragment: string): string {
-  try {
-    return decodeURIComponent(fragment);
-  } catch {
-    return fragment; // cut inside a letter
-  }
 }
 
 async function main(): Promise<void> {

@@ -50,9 +50,26 @@ export class State {
     for (const listener of this.listeners.theme) listener();
   }
 
-  /** The pair that a URL's fragment names, or -1. */
+  /** The pair that a URL's fragment names, or -1: also where a mail program or a person wrote it otherwise, or the other
+   * way round. */
   pairOfFragment(fragment: string): number {
-    return this.pairs.findIndex((pair) => fragmentOf(pair) === fragment);
+    const exact = this.pairs.findIndex((pair) => fragmentOf(pair) === fragment);
+    if (exact >= 0 || !fragment.startsWith("#pair=")) return exact;
+    const named = readable(fragment.slice("#pair=".length)).trim();
+    // Names may hold commas, so that the fragment cannot be split: it is compared with what each pair would give.
+    const find = (of: (pair: Pair) => [string, string]) =>
+      this.pairs.findIndex((pair) => [",", ", "].some((comma) => of(pair).join(comma) === named));
+    const found = find(({ source, target }) => [source, target]);
+    return found >= 0 ? found : find(({ source, target }) => [target, source]);
+  }
+}
+
+/** What a fragment says, as people read it. */
+export function readable(fragment: string): string {
+  try {
+    return decodeURIComponent(fragment);
+  } catch {
+    return fragment; // cut inside a letter
   }
 }
 

@@ -8,7 +8,7 @@ import { readFileSync } from "node:fs";
 import { join } from "node:path";
 import { modules, root } from "./bundle.mjs";
 
-const { action, bentInside, commonBeginning, correctionOpen, cure, parts, partsOfName, shift, shortened, toMend, wouldFit } = await modules("advice", "names", "words");
+const { action, bentInside, commonBeginning, correctionOpen, cure, parts, partsOfName, shift, shortened, State, toMend, wouldFit } = await modules("advice", "names", "state", "words");
 
 function test(name, body) {
   let error = null;
@@ -164,6 +164,21 @@ test("a name is cut between letters, never inside one", () => {
     assert.ok([...shortened(robots[0], common, most)].length <= most);
     assert.notEqual(shortened(robots[0], common, most), shortened(robots[1], common, most));
   }
+});
+
+test("an address names its pair however it was written down", () => {
+  const pairs = [["a/1", "b/9"], ["a/1", "b,c/9"], ["50%2C/1", "b/9"], ["b/9", "a/12"], ["d, e/1", "f/2"]];
+  const state = new State({ result: { robots: [], pairs: pairs.map(([target, source]) => ({ target, source })) } });
+  const named = (fragment) => state.pairOfFragment(fragment);
+  for (const same of ["#pair=b/9,a/1", "#pair=b%2F9%2Ca%2F1", "#pair=b%2f9,a/1", "#pair=b/9,%20a/1", "#pair=b/9, a/1", "#pair=a/1,b/9", "#pair=a%2F1%2C%20b%2F9", "#pair=b/9,a/1%20"]) {
+    assert.equal(named(same), 0, same);
+  }
+  assert.equal(named("#pair=b%2Cc/9,a/1"), 1);
+  assert.equal(named("#pair=b,c/9,a/1"), 1);
+  assert.equal(named("#pair=b/9,50%252C/1"), 2);
+  assert.equal(named("#pair=b/9,a/12"), 3);
+  assert.equal(named("#pair=f/2, d, e/1"), 4);
+  for (const stray of ["", "#", "#pair=", "#pair=b/9", "#pair=b/9,a/11", "#pair=%E0%A4%A,a/1", "#b/9,a/1"]) assert.equal(named(stray), -1, stray);
 });
 
 const kOffset = "offset 48.2 cm (40.1 to 55.0 cm)";
