@@ -129,8 +129,7 @@ export class MapView {
       this.pane.render();
     };
     state.on("theme", themeChanged);
-    state.on("selection", () => this.pane.render());
-    state.on("hover", () => this.pane.render());
+    for (const event of ["selection", "hover"] as const) state.on(event, () => this.pane.repaint());
     themeChanged();
   }
 

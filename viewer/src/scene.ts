@@ -157,11 +157,12 @@ export class Pane {
   settled = true;
   private readonly renderer: WebGLRenderer | null = null;
   private readonly pixelRatio = Math.min(window.devicePixelRatio || 1, 2);
-  private asked = false;
+  private asked: "" | "overlay" | "all" = "";
   private rest = 0;
   private lastFrame = 0;
   private affordable = 60_000;
   private halfHeight = 10;
+  private colour = "white";
 
   constructor(label: string, dragPans: boolean) {
     const canvas = element("canvas", { class: "points", label });
@@ -170,6 +171,11 @@ export class Pane {
     try {
       this.renderer = new WebGLRenderer({ canvas, antialias: false, preserveDrawingBuffer: true });
       this.renderer.setPixelRatio(this.pixelRatio);
+      // A graphics card that was lost, as by sleep, forgets pictures and colours.
+      canvas.addEventListener("webglcontextrestored", () => {
+        this.background(this.colour);
+        this.render();
+      });
     } catch {
       this.root.append(element("p", { class: "missing" }, "This browser draws no WebGL: the points are missing here."));
     }
@@ -190,6 +196,7 @@ export class Pane {
   }
 
   background(colour: string): void {
+    this.colour = colour;
     this.renderer?.setClearColor(new Color(colour), 1);
   }
 
@@ -214,12 +221,30 @@ export class Pane {
   }
 
   render(): void {
-    if (this.asked) return;
-    this.asked = true;
+    this.ask("all");
+  }
+
+  /** Where the points stay as they are: only what is drawn over them. */
+  repaint(): void {
+    this.ask("overlay");
+  }
+
+  private ask(what: "overlay" | "all"): void {
+    const waits = this.asked !== "";
+    if (this.asked !== "all") this.asked = what;
+    if (waits) return;
     requestAnimationFrame(() => {
-      this.asked = false;
-      this.draw();
+      const all = this.asked === "all";
+      this.asked = "";
+      if (all) this.draw();
+      else this.drawOverlay();
     });
+  }
+
+  private drawOverlay(): void {
+    if (this.root.clientWidth === 0 || this.root.clientHeight === 0) return;
+    const { context, width, height } = fitted(this.overlay);
+    this.paint(context, width, height);
   }
 
   draw(): void {
@@ -248,8 +273,7 @@ export class Pane {
       if (size.x !== width || size.y !== height) this.renderer.setSize(width, height, false);
       this.renderer.render(this.scene, this.camera);
     }
-    const surface = fitted(this.overlay);
-    this.paint(surface.context, surface.width, surface.height);
+    this.drawOverlay();
     this.frames++;
     // Only once a coarse picture is out and nothing has moved since: else slow pictures would all be drawn in full.
     clearTimeout(this.rest);
