@@ -9,7 +9,7 @@ import { css, sourceColour, targetColour } from "./colours.js";
 import { byId, element } from "./dom.js";
 import { themed } from "./scene.js";
 import type { State } from "./state.js";
-import { centimetres, degrees, interval, kindInWords, large, probability } from "./words.js";
+import { centimetres, degrees, interval, kindInWords, large, probability, sentence } from "./words.js";
 
 /** Expected counts of a normal truncated to [0, d], at the middle of each bin. */
 export function fitted(histogram: Histogram, mu: number | null, sigma: number | null): (number | null)[] {
@@ -168,7 +168,9 @@ export class Details {
     this.plot = null;
     const pair = this.state.pairs[this.state.selected];
     if (!pair) {
-      byId("details").replaceChildren(element("p", { class: "quiet" }, "Choose a pair: a line of the map, a cell, a row or a place."));
+      const { result } = this.state.archive;
+      const words = result.pairs.length === 0 ? `${sentence(result.system.reason)}.` : "Choose a pair: a line of the map, a cell, a row or a place.";
+      byId("details").replaceChildren(element("p", { class: "quiet" }, words));
       return;
     }
     byId("details").replaceChildren(

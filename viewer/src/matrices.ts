@@ -99,6 +99,7 @@ class Matrix {
   }
 
   draw(): void {
+    if (this.canvas.clientWidth === 0) return; // hidden
     const { context, width, height } = fitted(this.canvas);
     const n = this.n;
     const margin = 30;
@@ -269,6 +270,7 @@ export class Matrices {
     const figures = this.all.map((matrix, i) =>
       element("figure", {}, element("figcaption", {}, element("b", {}, kMatrices[i]!.title), element("small", {}, kMatrices[i]!.about)), matrix.canvas),
     );
+    byId("matrices").hidden = state.pairs.length === 0;
     byId("matrices").replaceChildren(
       element("h2", {}, "Matrices"),
       element("div", { class: "figures" }, ...figures),

@@ -28,6 +28,7 @@ export class PairView {
   private readonly slider: HTMLInputElement;
   private readonly title = element("h2", {});
   private readonly note = element("span", { class: "legend" });
+  private readonly shown = element("p", { class: "quiet as-drawn" }); // on paper, which has no slider
   private colouring: Colouring = "submap";
   private walls: boolean;
   private target: Side | null = null;
@@ -100,6 +101,7 @@ export class PairView {
         this.ends[2]!,
       ),
       element("div", { class: "bar" }, this.note),
+      this.shown,
     );
     this.pane.paint = (context, width, height) => this.paint(context, width, height);
     state.on("selection", () => this.load());
@@ -122,6 +124,14 @@ export class PairView {
   /** 0 = as in the map, 1 = after registration. */
   get alpha(): number {
     return Number(this.slider.value);
+  }
+
+  /** What the picture shows, for those who have only the picture. */
+  private describe(): void {
+    const share = Math.round(100 * this.alpha);
+    const pose = share === 0 ? "as in the map" : share === 100 ? "after registration" : `${share} % of the way from the map's pose to the registered one`;
+    const colours = { submap: "coloured by submap", distance: "coloured by the distance to the other submap", conflict: "coloured by what the other submap saw through" };
+    this.shown.textContent = this.pair ? `Drawn ${pose}; ${colours[this.colouring]}; ${this.walls ? "walls only" : "everything"}.` : "";
   }
 
   private get registered(): boolean {
@@ -207,7 +217,9 @@ export class PairView {
     const { pair, picture } = this;
     for (const control of [this.slider, ...this.ends]) control.disabled = !this.registered;
     if (!pair || !picture) {
-      this.title.replaceChildren("No pair selected");
+      this.title.replaceChildren(this.state.pairs.length === 0 ? "No pair to show" : "No pair selected");
+      this.note.replaceChildren();
+      this.describe();
       this.pane.render();
       return;
     }
@@ -253,12 +265,14 @@ export class PairView {
 
   private moved(): void {
     this.place();
+    this.describe();
     if (this.colouring !== "submap") this.recolour();
     this.pane.render();
   }
 
   private recolour(): void {
     const { source, target } = this;
+    this.describe();
     if (!source || !target) return;
     const after = this.alpha > 0.5 && source.samples.after.length > 0;
     const plain = this.colouring === "submap";
@@ -296,6 +310,7 @@ export class PairView {
     const d = this.pair?.d ?? 1;
     const known = source.samples.before.length > 0;
     const free = this.pair?.evidence[after ? "conflict_registered" : "conflict"]?.value ?? null;
+    this.note.classList.toggle("hint", plain);
     this.note.replaceChildren(
       plain
         ? `drag to turn, wheel to zoom; ${this.registered ? "walls that stand twice meet when the slider goes right" : "no registered pose: both stay as in the map"}`

@@ -5,7 +5,7 @@ import { action, correctionOpen, cure, wouldFit } from "./advice.js";
 import type { Archive, Pair } from "./archive.js";
 import { byId, element } from "./dom.js";
 import type { State } from "./state.js";
-import { centimetres, degrees, kindInWords, probability } from "./words.js";
+import { centimetres, degrees, kindInWords, probability, sentence } from "./words.js";
 
 export interface Place {
   /** Its worst pair, and all of them. */
@@ -92,6 +92,10 @@ function others(state: State): HTMLElement[] {
 
 export function showPlaces(state: State, places: Place[]): void {
   const root = byId("places");
+  if (state.pairs.length === 0) {
+    root.replaceChildren(element("h2", {}, "No pair to judge"), element("p", { class: "quiet" }, `${sentence(state.archive.result.system.reason)}.`));
+    return;
+  }
   const undecided = state.pairs.filter((pair) => pair.verdict === "unverified").length;
   const title =
     places.length === 0 ? "No place is known to be wrong" : places.length === 1 ? "The one wrong place" : "Worst places first";

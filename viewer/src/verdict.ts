@@ -4,7 +4,7 @@
 import { bentInside } from "./advice.js";
 import type { Kind, Result, Verdict } from "./archive.js";
 import { byId, element } from "./dom.js";
-import { centimetres } from "./words.js";
+import { centimetres, sentence } from "./words.js";
 
 const kKinds: [Kind, string][] = [
   ["sequential", "one after the other"],
@@ -93,8 +93,6 @@ function bends(result: Result): string {
   if (bent === 0 || bent < kManyBent * inconsistent) return "";
   return ` ${bent} of the ${inconsistent} are bent inside: see to stamps, de-skewing, the sensor's mounting and slips within submaps first.`;
 }
-
-const sentence = (text: string): string => text.charAt(0).toUpperCase() + text.slice(1);
 
 export function showVerdict(result: Result): void {
   const [sign, word, meaning] = kHeadline[result.system.verdict];

@@ -11,6 +11,8 @@ export function centimetres(metres: number | null): string {
   return cm < 10 ? `${cm.toFixed(1)} cm` : `${Math.round(cm)} cm`;
 }
 
+export const sentence = (text: string): string => text.charAt(0).toUpperCase() + text.slice(1);
+
 export function interval(pair: Pair): string {
   if (!pair.offset_interval_m) return "";
   const [low, high] = pair.offset_interval_m;

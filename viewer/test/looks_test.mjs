@@ -54,4 +54,78 @@ await test("long names leave room for the table's other columns on paper", { wid
   await page.evaluate(() => dispatchEvent(new Event("afterprint")));
 });
 
+await test("paper says which pose, colours and slice the pair's picture shows", {}, async (page) => {
+  await page.emulateMedia({ media: "print" });
+  const line = page.locator("#pair .as-drawn");
+  assert.equal(await line.textContent(), "Drawn as in the map; coloured by submap; walls only.");
+  assert.ok(await line.isVisible());
+  assert.ok(!(await page.locator("#pair .hint").isVisible()));
+  await page.keyboard.press("r");
+  assert.match(await line.textContent(), /^Drawn after registration;/);
+  await page.evaluate(() => {
+    window.kilter.pair.set(0.4);
+    document.querySelector('#pair button[data-value="distance"]').click();
+    document.querySelector('#pair button[data-value="all"]').click();
+  });
+  assert.equal(await line.textContent(), "Drawn 40 % of the way from the map's pose to the registered one; coloured by the distance to the other submap; everything.");
+  assert.match(await page.locator("#pair .legend").textContent(), /^dark: /);
+  assert.ok(await page.locator("#pair .legend").isVisible());
+  await page.emulateMedia({ media: null });
+  assert.ok(!(await line.isVisible()));
+});
+
+await test("nothing is left to read of a pair that is no longer selected", {}, async (page) => {
+  await page.locator('#pair button[data-value="conflict"]').click();
+  assert.notEqual(await page.locator("#pair .legend").textContent(), "");
+  await page.keyboard.press("Escape");
+  assert.equal(await page.locator("#pair .legend").textContent(), "");
+  assert.equal(await page.locator("#pair .as-drawn").textContent(), "");
+});
+
+await test("a hover draws lines anew, not all points of the map", {}, async (page) => {
+  const frames = () => page.evaluate(() => window.kilter.map.pane.frames);
+  const before = await painted(page, "#map .overlay");
+  const drawn = await frames();
+  for (const event of ["hover", "select"]) {
+    await page.evaluate((event) => window.kilter.state[event](window.kilter.table.rows.at(event === "hover" ? -1 : -2)), event);
+    assert.notEqual((await painted(page, "#map .overlay")).hash, before.hash);
+    assert.equal(await frames(), drawn);
+  }
+  await page.evaluate(() => {
+    window.kilter.map.pane.repaint();
+    window.kilter.map.pane.render();
+  });
+  await frame(page);
+  assert.equal(await frames(), drawn + 1, "both at once draw all");
+});
+
+await test("points come back with the graphics card", {}, async (page, opened) => {
+  const points = ["#map .points", "#pair .points"];
+  const before = [];
+  for (const canvas of points) before.push((await painted(page, canvas)).hash);
+  for (const canvas of points) {
+    await page.evaluate(async (canvas) => {
+      const surface = document.querySelector(canvas);
+      const lose = surface.getContext("webgl2").getExtension("WEBGL_lose_context");
+      const restored = new Promise((done) => surface.addEventListener("webglcontextrestored", done));
+      lose.loseContext();
+      await new Promise((done) => setTimeout(done, 50));
+      lose.restoreContext();
+      await restored;
+    }, canvas);
+  }
+  for (const [i, canvas] of points.entries()) assert.equal((await painted(page, canvas)).hash, before[i], canvas);
+  opened.complaints.length = 0; // three.js tells of what was lost
+});
+
+await test("without any pair nobody is sent to choose one", { file: alone }, async (page) => {
+  const reason = await page.evaluate(() => window.kilter.state.archive.result.system.reason);
+  for (const panel of ["#places", "#details", "#verdict"]) {
+    assert.ok((await page.locator(panel).textContent()).toLowerCase().includes(reason.toLowerCase()), panel);
+  }
+  assert.doesNotMatch(await page.locator("main").textContent(), /Choose a pair|No place is known/);
+  assert.ok(!(await page.locator("#matrices").isVisible()));
+  await page.screenshot({ path: join(folder, "alone-again.png"), fullPage: true });
+});
+
 await browser.close();
