@@ -63,6 +63,18 @@ std::string robots_key(const JudgedPair& pair, std::span<const std::string> robo
   return robots[static_cast<std::size_t>(first)] + "," + robots[static_cast<std::size_t>(second)];
 }
 
+// Every two robots as people read them, by key: a key cannot be taken apart, for names may hold commas.
+std::map<std::string, std::string> meetings_in_words(std::span<const std::string> robots) {
+  std::map<std::string, std::string> words;
+  for (std::size_t a = 0; a < robots.size(); ++a) {
+    for (std::size_t b = a + 1; b < robots.size(); ++b) {
+      words.try_emplace(robots[a] + "," + robots[b],
+                        fmt::format("{} and {}", printable(robots[a]), printable(robots[b])));
+    }
+  }
+  return words;
+}
+
 // Eq. (6)-(7).
 LogProbability sum_log_probability(const std::vector<JudgedPair>& pairs, std::span<const std::string> robots) {
   LogProbability sums;
@@ -138,6 +150,7 @@ std::string undecided(const DecidedShares& shares, const std::vector<JudgedPair>
   if (pairs.empty()) return "nothing to compare: no two submaps could show the same place";
   if (std::none_of(pairs.begin(), pairs.end(), counts))
     return "nothing to compare: no two submaps show enough of the same place";
+  const std::map<std::string, std::string> in_words = meetings_in_words(robots);
   const auto too_few = [&](double share) { return share <= 0.0 || share < options.min_decided; };
   for (const auto& of_robots : shares.global) {
     const std::string& key = of_robots.first;  // clang 14 lets no lambda capture a structured binding
@@ -146,8 +159,7 @@ std::string undecided(const DecidedShares& shares, const std::vector<JudgedPair>
     const bool listed = std::any_of(pairs.begin(), pairs.end(), [&](const JudgedPair& pair) {
       return pair.kind == PairKind::kGlobal && robots_key(pair, robots) == key;
     });
-    const std::string names =
-        fmt::format("{} and {}", printable(key.substr(0, key.find(','))), printable(key.substr(key.find(',') + 1)));
+    const std::string& names = in_words.at(key);
     if (!listed) return fmt::format("robots {} never meet", names);
     if (!share) return fmt::format("robots {} never show enough of the same place", names);
     return fmt::format("only {:.0f} % of what robots {} both saw could be decided", 100.0 * *share, names);

@@ -44,6 +44,13 @@ TEST(JudgeMap, RobotsThatNeverMeetLeaveItUndetermined) {
   EXPECT_FALSE(map.decided.local.has_value());
 }
 
+TEST(JudgeMap, NamesRobotsWholeWhoseNamesHoldCommas) {
+  const std::vector<std::string> robots = {"north, hall", "south, hall"};
+  std::vector<JudgedPair> pairs = {pair_apart(0.01, 0.01, PairKind::kSequential)};
+  const MapVerdict map = judge_map(pairs, robots, {});
+  EXPECT_NE(map.reason.find("robots north, hall and south, hall never meet"), std::string::npos) << map.reason;
+}
+
 TEST(JudgeMap, CertifiesNothingOfRobotsThatNothingTiesTogether) {
   const std::vector<std::string> three = {"a", "b", "c"};
   std::vector<JudgedPair> pairs = {pair_apart(0.01, 0.01, PairKind::kSequential), pair_apart(0.01, 0.01)};
