@@ -5,7 +5,9 @@ import type { Archive, Pair, Submap } from "./archive.js";
 import { centimetres, heading, parts, shift, turn, turnInWords } from "./words.js";
 
 function scans(submap: Submap): string {
-  return submap.first_scan === null ? submap.id : `scans ${submap.first_scan} to ${submap.last_scan} of ${submap.robot}`;
+  const { first_scan: first, last_scan: last, robot } = submap;
+  if (first === null) return submap.id;
+  return first === last ? `scan ${first} of ${robot}` : `scans ${first} to ${last} of ${robot}`;
 }
 
 /** What a reason says, and what would decide the pair then; the first that fits. @ is how far off registration ended. */
@@ -55,6 +57,11 @@ export function correctionOpen(pair: Pair): boolean {
 /** The offset of such a pair. */
 export function notBelieved(pair: Pair): string {
   return `registration ended ${centimetres(pair.offset_m)} off, not believed`;
+}
+
+/** Whether what is usual in this map comes from this pair alone: only registered pairs count. */
+export function isUsualAlone(pairs: readonly Pair[], pair: Pair): boolean {
+  return pairs.every((other) => other === pair || other.T_target_source_registered === null);
 }
 
 /** Whether parts of it stay apart by more than the tolerance whatever the move: a submap is bent inside. */

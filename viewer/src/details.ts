@@ -3,13 +3,13 @@
 // What was measured on the selected pair, in words, as a histogram and as evidence.
 import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
-import { action, correctionOpen, cure, notBelieved, toMend } from "./advice.js";
+import { action, correctionOpen, cure, isUsualAlone, notBelieved, toMend } from "./advice.js";
 import type { Evidence, Histogram, Pair } from "./archive.js";
 import { css, sourceColour, targetColour } from "./colours.js";
 import { byId, element } from "./dom.js";
 import { themed } from "./scene.js";
 import type { State } from "./state.js";
-import { centimetres, degrees, interval, kindInWords, large, probability, sentence } from "./words.js";
+import { centimetres, degrees, interval, kindInWords, large, partsInWorld, probability, sentence, shift } from "./words.js";
 
 /** Expected counts of a normal truncated to [0, d], at the middle of each bin. */
 export function fitted(histogram: Histogram, mu: number | null, sigma: number | null): (number | null)[] {
@@ -72,7 +72,8 @@ function neighbours(agreeing: number, contradicting: number): string {
   return contradicting > agreeing ? "its neighbours contradict it" : "its neighbours agree";
 }
 
-function verdictOf(name: string, piece: Evidence): string {
+function verdictOf(name: string, piece: Evidence, pair: Pair): string {
+  if (name === "displacement" && correctionOpen(pair)) return "not believed";
   if (piece.log_ratio !== null) return speaks(piece.log_ratio);
   if (name === "ambiguity" && piece.value !== null) return piece.value > 0.7 ? "another place fits nearly as well" : "no other place fits as well";
   if (name === "bend_m" && piece.value !== null) return "how far a submap itself is bent";
@@ -99,14 +100,22 @@ function offset(pair: Pair): string {
   return [centimetres(pair.offset_m), interval(pair) && `${interval(pair)} at 95 %`, degrees(pair)].filter(Boolean).join("; ");
 }
 
+/** How to mend it; a shift that is told along the robot's way once more as the program tells it, for who has to enter it. */
+function mending(state: State): string {
+  const mended = cure(state.archive, state.selected);
+  if (mended === null) return "unknown";
+  const world = shift(partsInWorld(state.archive, state.selected));
+  const moved = mended.moved === "" || mended.moved === world ? mended.moved : `${mended.moved} (${world})`;
+  return toMend(state.pairs[state.selected]!.source, { ...mended, moved });
+}
+
 function facts(state: State): HTMLElement {
   const number = state.selected;
   const pair = state.pairs[number]!;
-  const mended = cure(state.archive, number);
   const rows: [string, string][] = [
     ["What it is", kindInWords[pair.kind]],
     ["Offset", offset(pair)],
-    ["To mend it", mended === null ? "unknown" : toMend(pair.source, mended)],
+    ["To mend it", mending(state)],
     ["Gap between double walls", centimetres(pair.gap_m)],
     ["Smallest offset seen here", centimetres(pair.minimum_detectable_m)],
     ["Directions left open", pair.unobservable === null ? "unknown" : pair.unobservable.length === 0 ? "none" : pair.unobservable.length === 1 ? "one, drawn as a dashed axis" : `${pair.unobservable.length}, drawn as dashed axes`],
@@ -124,8 +133,9 @@ function facts(state: State): HTMLElement {
   );
 }
 
-function evidence(pair: Pair): HTMLElement {
-  const rows = Object.entries(pair.evidence).map(([name, piece]) => {
+function evidence(pair: Pair, pairs: readonly Pair[]): HTMLElement {
+  const rows = Object.entries(pair.evidence).map(([name, measured]) => {
+    const piece = name === "log10_gamma" && isUsualAlone(pairs, pair) ? { ...measured, null: null } : measured;
     const known = kEvidence[name];
     const show = (value: number | null) => (value === null ? "" : known ? known.value(value) : large(value));
     return element(
@@ -134,7 +144,7 @@ function evidence(pair: Pair): HTMLElement {
       element("td", { title: name }, known?.name ?? name),
       element("td", {}, show(piece.value)),
       element("td", { title: known?.against ?? "" }, piece.null === null ? "" : `${show(piece.null)}${known ? ` ${known.against}` : ""}`),
-      element("td", {}, verdictOf(name, piece)),
+      element("td", {}, verdictOf(name, piece, pair)),
     );
   });
   const head = ["Test", "Here", "Against", "In words"].map((text) => element("th", {}, text));
@@ -176,7 +186,7 @@ export class Details {
     byId("details").replaceChildren(
       facts(this.state),
       element("div", { class: "histogram" }, element("h3", {}, "Distances of matched voxels"), this.chart, this.caption),
-      evidence(pair),
+      evidence(pair, this.state.pairs),
     );
     this.histogram(pair);
   }

@@ -40,6 +40,15 @@ function certificate(result: Result): string {
   return `${text}.`;
 }
 
+/** Every two robots as people read them, by their key: a key cannot be taken apart, for names may hold commas. */
+export function meetingsInWords(robots: readonly { name: string }[]): Map<string, string> {
+  const words = new Map<string, string>();
+  robots.forEach(({ name: a }, i) => {
+    for (const { name: b } of robots.slice(i + 1)) if (!words.has(`${a},${b}`)) words.set(`${a},${b}`, `${a} with ${b}`);
+  });
+  return words;
+}
+
 function decided(result: Result): string {
   const { sequential, local, global } = result.system.decided;
   const shares: string[] = [];
@@ -48,8 +57,9 @@ function decided(result: Result): string {
   };
   add("one after the other", sequential);
   add("same robot again", local);
+  const inWords = meetingsInWords(result.robots);
   const meetings = Object.entries(global).flatMap(([both, share]) =>
-    share === null ? [] : [{ who: both.replace(",", " with "), share }],
+    share === null ? [] : [{ who: inWords.get(both) ?? both, share }],
   );
   if (meetings.length <= kNamedAtMost) {
     for (const { who, share } of meetings) add(who, share);

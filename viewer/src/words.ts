@@ -47,30 +47,66 @@ export const rotation = (pose: Pose): Quaternion => new Quaternion(pose[3], pose
 export const translation = (pose: Pose): Vector3 => new Vector3(pose[0], pose[1], pose[2]);
 
 const kLeastWay = 0.1; // shorter ways have no direction. [m]
+const kStride = 0.5; // between points that tell how straight a way is: poses jitter. [m]
+const kStraight = 0.95; // of a way, its ends are so far apart: it turns by less than about 60 degrees
 
-/** Which way the robot went through a submap: level, unit length; null where it stood still or nobody knows. */
+/** Where a robot's clouds were taken from one scan to another; null where the path does not tell. */
+function wayBetween(path: Float64Array, scans: number, first: number, last: number): Vector3[] | null {
+  const points = path.length / 3;
+  if (!(scans > 1) || points < 2) return null;
+  const step = Math.ceil((scans - 1) / (points - 1)); // a long path has every so manieth scan, and the last
+  const way: Vector3[] = [];
+  for (let i = Math.ceil(first / step); i < points && i * step <= last; i++) way.push(new Vector3().fromArray(path, 3 * i).setZ(0));
+  return way;
+}
+
+function isStraight(way: Vector3[]): boolean {
+  let at = way[0];
+  let length = 0;
+  for (const point of way) {
+    const metres = point.distanceTo(at!);
+    if (metres < kStride && point !== way[way.length - 1]) continue;
+    length += metres;
+    at = point;
+  }
+  return way.length === 0 || way[0]!.distanceTo(at!) >= kStraight * length;
+}
+
+/** Which way the robot went through a submap: level, unit length; null where it stood still, turned by much or nobody
+ * knows. */
 export function heading(archive: Archive, submap: number): Vector3 | null {
   const { robots, submaps } = archive.result;
   const own = submaps[submap]!;
-  if (own.first_scan === null) return null; // the pose of a finished cloud tells of no way
+  if (own.first_scan === null || own.last_scan === null) return null; // the pose of a finished cloud tells of no way
   const next = submaps[submap + 1];
-  const path = archive.paths[robots.findIndex((robot) => robot.name === own.robot)] ?? new Float64Array(0);
-  const end = next?.robot === own.robot ? translation(next.T_world_submap) : new Vector3().fromArray(path, path.length - 3);
-  const way = end.sub(translation(own.T_world_submap)).setZ(0);
-  return way.length() > kLeastWay ? way.normalize() : null;
+  const number = robots.findIndex((robot) => robot.name === own.robot);
+  const path = archive.paths[number] ?? new Float64Array(0);
+  const goesOn = next?.robot === own.robot;
+  const end = goesOn ? translation(next.T_world_submap) : new Vector3().fromArray(path, path.length - 3);
+  const start = translation(own.T_world_submap).setZ(0);
+  const chord = end.clone().setZ(0).sub(start);
+  if (!(chord.length() > kLeastWay)) return null;
+  const way = wayBetween(path, robots[number]?.scans ?? 0, own.first_scan, goesOn ? (next.first_scan ?? own.last_scan) : Infinity);
+  if (way && !isStraight([start, ...way, end.setZ(0)])) return null;
+  return chord.normalize();
 }
 
 /** The offset as the source's robot would feel it, or along the world's axes. [m] */
 export type Parts = { along: number; across: number; up: number } | { x: number; y: number; z: number };
 
-export function parts(archive: Archive, number: number): Parts | null {
+export function partsInWorld(archive: Archive, number: number): { x: number; y: number; z: number } | null {
   const pair = archive.result.pairs[number]!;
-  const picture = archive.pairs[number]!;
   if (!pair.offset_vector) return null;
-  const target = archive.result.submaps[picture.target]!;
+  const target = archive.result.submaps[archive.pairs[number]!.target]!;
   const { x, y, z } = new Vector3(...pair.offset_vector).applyQuaternion(rotation(target.T_world_submap));
-  const ahead = heading(archive, picture.source);
-  if (!ahead) return { x, y, z };
+  return { x, y, z };
+}
+
+export function parts(archive: Archive, number: number): Parts | null {
+  const world = partsInWorld(archive, number);
+  const ahead = heading(archive, archive.pairs[number]!.source);
+  if (!world || !ahead) return world;
+  const { x, y, z } = world;
   return { along: x * ahead.x + y * ahead.y, across: y * ahead.x - x * ahead.y, up: z };
 }
 

@@ -365,6 +365,7 @@ await test("the table starts as the places do", {}, async (page) => {
 await test("an offset that is not believed is called that everywhere", {}, async (page) => {
   await changed(page, "pair.evidence.support = { value: 10, null: 900, log_ratio: 4 }");
   assert.match(await page.locator("#details").textContent(), /registration ended \d+ cm off, not believed/);
+  assert.match(await page.locator('[data-evidence="displacement"]').textContent(), /not believed$/);
   const at = await page.evaluate(() => window.kilter.matrices.all[0].cellOf(window.kilter.state.selected));
   await page.locator("#matrices canvas").first().hover({ position: at });
   assert.match(await page.locator("#tip").textContent(), /ended \d+ cm off, not believed/);
@@ -403,6 +404,8 @@ await test("what was not measured is not counted", {}, async (page) => {
   await page.locator('#pair button[data-value="conflict"]').click();
   assert.match(await page.locator("#pair").textContent(), /not measured: these clouds carry no free space/);
   assert.match(await page.locator('[data-evidence="agreeing"]').textContent(), /no other pair around/);
+  await changed(page, "for (const other of window.kilter.state.pairs) if (other !== pair) other.T_target_source_registered = null");
+  assert.match(await page.locator('[data-evidence="log10_gamma"]').textContent(), /^Γ, as a power of ten[-\d.]+nothing to compare with$/);
   await changed(page, "pair.evidence.agreeing = { value: 3, null: 3, log_ratio: null }");
   assert.match(await page.locator('[data-evidence="agreeing"]').textContent(), /divided/);
   await page.evaluate(() => {

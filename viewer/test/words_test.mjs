@@ -8,7 +8,7 @@ import { readFileSync } from "node:fs";
 import { join } from "node:path";
 import { modules, root } from "./bundle.mjs";
 
-const { action, bentInside, commonBeginning, correctionOpen, cure, parts, partsOfName, shift, shortened, State, toMend, wouldFit } = await modules("advice", "names", "state", "words");
+const { action, bentInside, commonBeginning, correctionOpen, cure, isUsualAlone, meetingsInWords, parts, partsOfName, shift, shortened, State, toMend, wouldFit } = await modules("advice", "names", "state", "verdict", "words");
 
 function test(name, body) {
   let error = null;
@@ -57,6 +57,28 @@ test("a way that ends after a turn is followed to its end", () => {
   const given = parts(archive(), 0);
   assert.ok(Math.abs(given.along - 0.85) < 1e-9 && Math.abs(given.across - 1.2) < 1e-9, JSON.stringify(given));
   assert.equal(shift(given), "85 cm ahead, 120 cm to the left");
+});
+
+test("a way that turns by much has no heading", () => {
+  const bend = (points, scans = points.length) => {
+    const made = archive();
+    made.result.robots[0].scans = scans;
+    Object.assign(made.result.submaps[1], { first_scan: 1, last_scan: scans - 1 });
+    made.paths[0] = Float64Array.from([[0, 0, 0], ...points.slice(1)].flat());
+    return shift(parts(made, 0));
+  };
+  const robot = "85 cm ahead, 120 cm to the left";
+  const world = "x-120 y+85 cm in world axes";
+  const along = (metres) => Array.from({ length: metres + 1 }, (_, i) => [10, i, 0]);
+  assert.equal(bend([[0, 0, 0], ...along(8)]), robot);
+  // Eight metres along y, then as many along x: the chord is nobody's heading.
+  assert.equal(bend([[0, 0, 0], ...along(8), ...Array.from({ length: 8 }, (_, i) => [11 + i, 8, 0])]), world);
+  // To and fro ends a little further.
+  assert.equal(bend([[0, 0, 0], ...along(8), ...along(7).reverse().slice(0, 6)]), world);
+  // Jitter makes no way longer.
+  assert.equal(bend([[0, 0, 0], ...along(80).map(([, i]) => [10 + 0.04 * (i % 2), i / 10, 0])]), robot);
+  // Every second scan of the path, and the last.
+  assert.equal(bend([[0, 0, 0], ...along(8)], 18), robot);
 });
 
 test("without a way the world's axes tell the direction", () => {
@@ -179,6 +201,26 @@ test("an address names its pair however it was written down", () => {
   assert.equal(named("#pair=b/9,a/12"), 3);
   assert.equal(named("#pair=f/2, d, e/1"), 4);
   for (const stray of ["", "#", "#pair=", "#pair=b/9", "#pair=b/9,a/11", "#pair=%E0%A4%A,a/1", "#b/9,a/1"]) assert.equal(named(stray), -1, stray);
+});
+
+test("two robots are named whole, also where their names hold commas", () => {
+  const words = meetingsInWords([{ name: "a" }, { name: "north, hall" }, { name: "south" }]);
+  assert.deepEqual([...words], [["a,north, hall", "a with north, hall"], ["a,south", "a with south"], ["north, hall,south", "north, hall with south"]]);
+});
+
+test("one scan is one scan", () => {
+  const one = archive();
+  Object.assign(one.result.submaps[0], { first_scan: 4, last_scan: 4 });
+  assert.match(action(one, 0), /The poses of scan 4 of a and scans 10 to 19 of a do not fit/);
+});
+
+test("a pair is not held against itself", () => {
+  const registered = { T_target_source_registered: still };
+  const failed = { T_target_source_registered: null };
+  assert.ok(isUsualAlone([registered], registered));
+  assert.ok(isUsualAlone([failed, registered], registered));
+  assert.ok(!isUsualAlone([registered, { ...registered }], registered));
+  assert.ok(!isUsualAlone([registered], failed));
 });
 
 const kOffset = "offset 48.2 cm (40.1 to 55.0 cm)";
