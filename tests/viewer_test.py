@@ -134,7 +134,7 @@ class Viewer(unittest.TestCase):
         report = self.long()
         if b"built without its viewer" in report.read_bytes():
             self.skipTest("kilter was built without its viewer")
-        self.assertGreaterEqual(self.check_lines("looks_test.mjs", report, self.alone(), self.shots), 2)
+        self.assertGreaterEqual(self.check_lines("looks_test.mjs", report, self.alone(), self.fleet(), self.shots), 13)
 
     def test_the_report_command_writes_the_same_bytes(self):
         with TinyMission() as tiny:

@@ -15,6 +15,7 @@ interface Properties {
   step?: string;
   href?: string;
   label?: string;
+  role?: string;
   checked?: boolean;
   disabled?: boolean;
   data?: Record<string, string>;
@@ -27,14 +28,22 @@ export function element<K extends keyof HTMLElementTagNameMap>(
   ...children: Child[]
 ): HTMLElementTagNameMap[K] {
   const node = document.createElement(tag);
-  const { class: classes, label, data, on, ...rest } = properties;
+  const { class: classes, label, role, data, on, ...rest } = properties;
   if (classes) node.className = classes;
   if (label) node.setAttribute("aria-label", label);
+  if (role) node.setAttribute("role", role);
   for (const [key, value] of Object.entries(data ?? {})) node.dataset[key] = value;
   for (const [key, listener] of Object.entries(on ?? {})) if (listener) node.addEventListener(key, listener);
   Object.assign(node, rest);
   for (const child of children) if (child !== null) node.append(child);
   return node;
+}
+
+/** Marks what shows the selected pair, for eyes and for those who have the page read to them. */
+export function markCurrent(node: HTMLElement, current: boolean): void {
+  node.classList.toggle("selected", current);
+  if (current) node.setAttribute("aria-current", "true");
+  else node.removeAttribute("aria-current");
 }
 
 export function byId(id: string): HTMLElement {
@@ -60,7 +69,7 @@ export function choice<T extends string>(
     chosen(value);
   };
   mark(start);
-  return { root: element("span", { class: "choice", label }, ...buttons), set };
+  return { root: element("span", { class: "choice", role: "group", label }, ...buttons), set };
 }
 
 const tip = (): HTMLElement => byId("tip");

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: The kilter authors
 // SPDX-License-Identifier: BSD-3-Clause
 import "./style.css";
+import { correctionOpen, notBelieved } from "./advice.js";
 import { readArchive, unpack } from "./archive.js";
 import { Details } from "./details.js";
 import { byId, element, hideTip } from "./dom.js";
@@ -12,6 +13,7 @@ import { forgetTheme } from "./scene.js";
 import { readable, State } from "./state.js";
 import { Table } from "./table.js";
 import { showVerdict } from "./verdict.js";
+import { centimetres } from "./words.js";
 
 const kKeys: [string, string][] = [
   ["j or ↓, k or ↑", "next, previous pair in the order of the table"],
@@ -60,10 +62,11 @@ function copyForPrint(): void {
     const layers = [...holder.querySelectorAll("canvas")];
     if (layers.length === 0) continue;
     const copy = element("canvas", { class: "printed" });
-    copy.width = layers[0]!.width;
-    copy.height = layers[0]!.height;
+    // Without WebGL the lowest layer has no size of its own.
+    copy.width = Math.max(...layers.map((layer) => layer.width));
+    copy.height = Math.max(...layers.map((layer) => layer.height));
     const context = copy.getContext("2d")!;
-    for (const layer of layers) context.drawImage(layer, 0, 0, copy.width, copy.height);
+    for (const layer of layers.slice(holder.querySelector(".missing") ? 1 : 0)) context.drawImage(layer, 0, 0, copy.width, copy.height);
     holder.after(copy);
     if (holder.tagName === "FIGURE") holder.append(copy);
   }
@@ -87,6 +90,14 @@ function foot(state: State, dialog: HTMLDialogElement): void {
   );
 }
 
+/** The selected pair for those who have the page read to them. */
+function inShort(state: State): string {
+  const pair = state.pairs[state.selected];
+  if (!pair) return "No pair is selected.";
+  const offset = pair.offset_m === null ? "offset not measured" : correctionOpen(pair) ? notBelieved(pair) : `${centimetres(pair.offset_m)} apart`;
+  return `Pair ${pair.target} and ${pair.source}: ${pair.verdict}, ${offset}.`;
+}
+
 /** Says so where the address names a pair that this report does not have; until another is selected. */
 function tellStray(state: State, instead = ""): void {
   const holder = document.querySelector("#verdict .why")!;
@@ -105,7 +116,7 @@ async function main(): Promise<void> {
   const state = new State(archive);
   const places = worstPlaces(archive);
   showVerdict(archive.result);
-  showPlaces(state, places);
+  const markPlaces = showPlaces(state, places);
   state.select(state.pairOfFragment(location.hash));
   const worst = places[0]?.pair ?? archive.result.pairs.map((_, n) => n).sort(worstFirst(archive.result.pairs))[0] ?? -1;
   if (state.selected < 0) {
@@ -121,7 +132,8 @@ async function main(): Promise<void> {
   foot(state, dialog);
   tellStray(state, " The worst place is shown.");
   state.select(state.selected);
-  byId("places").querySelector(`.place[data-pair="${state.selected}"]`)?.classList.add("selected");
+  markPlaces();
+  state.on("selection", () => (byId("now").textContent = inShort(state)));
 
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
     forgetTheme();

@@ -110,7 +110,7 @@ export class MapView {
     );
     const views = element(
       "span",
-      { class: "choice" },
+      { class: "choice", role: "group", label: "look from" },
       element("button", { type: "button", title: "key t", on: { click: () => this.top() } }, "top"),
       element("button", { type: "button", title: "from the side", on: { click: () => this.side() } }, "side"),
     );
@@ -190,10 +190,10 @@ export class MapView {
       const colours = result.submaps.map((submap) => robotColour(robots.indexOf(submap.robot)));
       this.cloud.colour((i, out, at) => put(out, at, colours[this.owner[i]!]!));
       this.legend.replaceChildren(
-        ...robots.flatMap((name, i) => {
+        ...robots.map((name, i) => {
           const swatch = element("i", { class: "swatch" });
           swatch.style.background = css(robotColour(i));
-          return [swatch, name, " "];
+          return element("span", {}, swatch, name);
         }),
       );
     } else if (by === "height") {

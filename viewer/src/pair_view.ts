@@ -8,11 +8,10 @@ import { byId, choice, element } from "./dom.js";
 import { isFinished, kEverything, kWalls, placeOf, sensorHeight, wallsShow, worldFromCloud } from "./framing.js";
 import { paintOpenDirections } from "./marks.js";
 import { shortened } from "./names.js";
+import { drawnAs, legendOf, type Colouring } from "./pair_words.js";
 import { CloudPoints, evenOrder, halo, Pane, themed } from "./scene.js";
 import type { State } from "./state.js";
 import { rotation, translation } from "./words.js";
-
-type Colouring = "submap" | "distance" | "conflict";
 
 const kUnit = new Vector3(1, 1, 1);
 
@@ -126,12 +125,9 @@ export class PairView {
     return Number(this.slider.value);
   }
 
-  /** What the picture shows, for those who have only the picture. */
   private describe(): void {
-    const share = Math.round(100 * this.alpha);
-    const pose = share === 0 ? "as in the map" : share === 100 ? "after registration" : `${share} % of the way from the map's pose to the registered one`;
-    const colours = { submap: "coloured by submap", distance: "coloured by the distance to the other submap", conflict: "coloured by what the other submap saw through" };
-    this.shown.textContent = this.pair ? `Drawn ${pose}; ${colours[this.colouring]}; ${this.walls ? "walls only" : "everything"}.` : "";
+    const shown = this.pair !== null && this.pane.drawsPoints;
+    this.shown.textContent = shown ? drawnAs(this.alpha, this.colouring, this.walls) : "";
   }
 
   private get registered(): boolean {
@@ -307,21 +303,16 @@ export class PairView {
         });
       }
     }
-    const d = this.pair?.d ?? 1;
-    const known = source.samples.before.length > 0;
-    const free = this.pair?.evidence[after ? "conflict_registered" : "conflict"]?.value ?? null;
     this.note.classList.toggle("hint", plain);
-    this.note.replaceChildren(
-      plain
-        ? `drag to turn, wheel to zoom; ${this.registered ? "walls that stand twice meet when the slider goes right" : "no registered pose: both stay as in the map"}`
-        : !known
-          ? "this pair overlaps too little: no distances were measured"
-          : this.colouring === "distance"
-            ? `dark: the other surface is here; bright: ${d} m away; grey: nothing within ${d} m (${after ? "after registration" : "as in the map"})`
-            : free === null
-              ? "not measured: these clouds carry no free space here"
-              : `${through} of ${bytesOf(source) + bytesOf(target)} points stand where the other submap saw through (${after ? "after registration" : "as in the map"})`,
-    );
+    this.note.textContent = legendOf(this.colouring, {
+      drawn: this.pane.drawsPoints,
+      registered: this.registered,
+      after,
+      d: this.pair?.d ?? 1,
+      measured: source.samples.before.length > 0,
+      free: (this.pair?.evidence[after ? "conflict_registered" : "conflict"]?.value ?? null) !== null,
+      through: `${through} of ${bytesOf(source) + bytesOf(target)}`,
+    });
     this.pane.clouds = sides.map(([side]) => (plain ? side.cloud : side.sampled));
     this.pane.render();
   }

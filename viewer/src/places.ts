@@ -3,7 +3,7 @@
 // The worst places first: pairs that disagree at one place make one entry.
 import { action, correctionOpen, cure, wouldFit } from "./advice.js";
 import type { Archive, Pair } from "./archive.js";
-import { byId, element } from "./dom.js";
+import { byId, element, markCurrent } from "./dom.js";
 import type { State } from "./state.js";
 import { centimetres, degrees, kindInWords, probability, sentence } from "./words.js";
 
@@ -90,11 +90,12 @@ function others(state: State): HTMLElement[] {
   return sections;
 }
 
-export function showPlaces(state: State, places: Place[]): void {
+/** Returns what marks the card of the pair that is selected. */
+export function showPlaces(state: State, places: Place[]): () => void {
   const root = byId("places");
   if (state.pairs.length === 0) {
     root.replaceChildren(element("h2", {}, "No pair to judge"), element("p", { class: "quiet" }, `${sentence(state.archive.result.system.reason)}.`));
-    return;
+    return () => undefined;
   }
   const undecided = state.pairs.filter((pair) => pair.verdict === "unverified").length;
   const title =
@@ -110,14 +111,15 @@ export function showPlaces(state: State, places: Place[]): void {
     );
   }
   root.replaceChildren(element("h2", {}, title), list);
-  const mark = () => {
+  const mark = (reveal: boolean) => {
     for (const button of root.querySelectorAll<HTMLElement>(".place")) {
       const number = Number(button.dataset["pair"]);
       const place = places.find((candidate) => candidate.pair === number);
-      button.classList.toggle("selected", number === state.selected);
+      markCurrent(button, number === state.selected);
       button.classList.toggle("holds", place !== undefined && place.pairs.includes(state.selected));
-      if (number === state.selected) button.scrollIntoView({ block: "nearest" });
+      if (reveal && number === state.selected) button.scrollIntoView({ block: "nearest" });
     }
   };
-  state.on("selection", mark);
+  state.on("selection", () => mark(true));
+  return () => mark(false);
 }

@@ -195,6 +195,11 @@ export class Pane {
     new ResizeObserver(() => this.render()).observe(this.root);
   }
 
+  /** False where the browser has no WebGL. */
+  get drawsPoints(): boolean {
+    return this.renderer !== null;
+  }
+
   background(colour: string): void {
     this.colour = colour;
     this.renderer?.setClearColor(new Color(colour), 1);

@@ -3,7 +3,7 @@
 // Every pair as a row; sorted and filtered.
 import { correctionOpen, notBelieved } from "./advice.js";
 import type { Pair } from "./archive.js";
-import { byId, element } from "./dom.js";
+import { byId, element, markCurrent } from "./dom.js";
 import { partsOfName } from "./names.js";
 import { worstFirst } from "./places.js";
 import type { State } from "./state.js";
@@ -110,6 +110,7 @@ export class Table {
     );
     state.on("selection", () => this.mark(true));
     this.update();
+    this.mark(true);
   }
 
   private filtered(key: keyof Table["filter"], value: string): void {
@@ -211,7 +212,7 @@ export class Table {
     }
     for (const row of this.body.querySelectorAll<HTMLElement>("tr")) {
       const own = row.dataset["pair"] === String(this.state.selected);
-      row.classList.toggle("selected", own);
+      markCurrent(row, own);
       if (own && reveal) {
         const box = row.closest(".scroll")!;
         const top = row.offsetTop - 40;

@@ -18,9 +18,17 @@ export async function launch() {
 }
 
 /** Opens a report from disk. `complaints` and `requests` fill up while it is used. */
-export async function open(browser, file, { width = 1440, height = 900, hash = "", dark = false } = {}) {
+export async function open(browser, file, { width = 1440, height = 900, hash = "", dark = false, webgl = true } = {}) {
   const context = await browser.newContext({ viewport: { width, height }, colorScheme: dark ? "dark" : "light" });
   const page = await context.newPage();
+  if (!webgl) {
+    await page.addInitScript(() => {
+      const get = HTMLCanvasElement.prototype.getContext;
+      HTMLCanvasElement.prototype.getContext = function (kind, ...more) {
+        return kind.startsWith("webgl") ? null : get.call(this, kind, ...more);
+      };
+    });
+  }
   const complaints = [];
   const requests = [];
   page.on("console", (message) => {

@@ -1,15 +1,15 @@
 // SPDX-FileCopyrightText: The kilter authors
 // SPDX-License-Identifier: BSD-3-Clause
 //
-// node looks_test.mjs LONG.html ALONE.html FOLDER: what a report looks like where names are long, on paper, with other
-// colours or without a graphics card; LONG has long names, ALONE no pair. Prints a line of JSON per test; screenshots go
-// to FOLDER. tests/viewer_test.py runs it.
+// node looks_test.mjs LONG.html ALONE.html MANY.html FOLDER: what a report looks like where names are long, on paper,
+// with other colours or without a graphics card; LONG has long names, ALONE no pair, MANY more than fit the table's
+// window. Prints a line of JSON per test; screenshots go to FOLDER. tests/viewer_test.py runs it.
 import assert from "node:assert/strict";
 import { join } from "node:path";
 import { launch, open } from "./browser.mjs";
 import { frame, painted, tester } from "./harness.mjs";
 
-const [report, alone, folder] = process.argv.slice(2);
+const [report, alone, many, folder] = process.argv.slice(2);
 const browser = await launch();
 const test = tester(browser, report, folder);
 
@@ -126,6 +126,58 @@ await test("without any pair nobody is sent to choose one", { file: alone }, asy
   assert.doesNotMatch(await page.locator("main").textContent(), /Choose a pair|No place is known/);
   assert.ok(!(await page.locator("#matrices").isVisible()));
   await page.screenshot({ path: join(folder, "alone-again.png"), fullPage: true });
+});
+
+await test("without WebGL paper keeps the pictures' shape, and no walls are promised", { webgl: false }, async (page, opened) => {
+  assert.equal(await page.locator(".missing").count(), 2);
+  assert.doesNotMatch(await page.locator("#pair").textContent(), /walls that stand twice|drag to turn|Drawn /);
+  await page.evaluate(() => dispatchEvent(new Event("beforeprint")));
+  const sizes = await page.evaluate(() =>
+    ["#map", "#pair"].map((where) => {
+      const [overlay, copy] = [`${where} .overlay`, `${where} .printed`].map((what) => document.querySelector(what));
+      return [copy.width - overlay.width, copy.height - overlay.height];
+    }),
+  );
+  assert.deepEqual(sizes, [[0, 0], [0, 0]]);
+  await page.evaluate(() => dispatchEvent(new Event("afterprint")));
+  opened.complaints.length = 0; // three.js tells of what is missing
+});
+
+await test("what is selected is told, not only shown", {}, async (page) => {
+  const current = () => page.locator("[aria-current]").evaluateAll((all) => all.map((one) => [one.tagName, Number(one.dataset.pair), one.classList.contains("selected")]));
+  const worst = await page.evaluate(() => window.kilter.state.selected);
+  assert.deepEqual(await current(), [["BUTTON", worst, true], ["TR", worst, true]]);
+  await page.locator("#table tbody tr").last().click();
+  const { number, pair } = await page.evaluate(() => ({ number: window.kilter.state.selected, pair: window.kilter.state.pairs[window.kilter.state.selected] }));
+  assert.deepEqual((await current()).filter(([tag]) => tag === "TR"), [["TR", number, true]]);
+  const told = await page.locator("[aria-live]").textContent();
+  assert.ok(told.startsWith(`Pair ${pair.target} and ${pair.source}: ${pair.verdict}, `) && told.endsWith(" apart."), told);
+  await page.keyboard.press("Escape");
+  assert.deepEqual(await current(), []);
+  assert.equal(await page.locator("[aria-live]").textContent(), "No pair is selected.");
+  const groups = await page.locator(".choice").evaluateAll((all) => all.map((one) => [one.getAttribute("role"), one.ariaLabel !== null]));
+  assert.ok(groups.length >= 5 && groups.every(([role, named]) => role === "group" && named), JSON.stringify(groups));
+});
+
+await test("swatches keep their colours where others are forced", {}, async (page) => {
+  await page.emulateMedia({ forcedColors: "active" });
+  const swatches = await page.locator(".swatch").evaluateAll((all) => all.map((one) => [one.style.background, getComputedStyle(one).backgroundColor]));
+  assert.ok(swatches.length >= 4);
+  for (const [own, drawn] of swatches) assert.equal(drawn.replaceAll(",", ""), own.replaceAll(",", ""));
+  await page.screenshot({ path: join(folder, "forced-colours.png") });
+});
+
+await test("a pair that is opened by its address is seen in the table", { file: many }, async (page) => {
+  const last = await page.evaluate(() => window.kilter.table.rows.at(-1));
+  const hash = await page.evaluate((n) => (window.kilter.state.select(n), location.hash), last);
+  const again = await open(browser, many, { hash });
+  const seen = await again.page.evaluate(() => {
+    const row = document.querySelector("#table tr.selected").getBoundingClientRect();
+    const box = document.querySelector("#table .scroll").getBoundingClientRect();
+    return { inside: row.top >= box.top && row.bottom <= box.bottom + 1, scrolled: scrollY };
+  });
+  assert.deepEqual(seen, { inside: true, scrolled: 0 });
+  await again.context.close();
 });
 
 await browser.close();
