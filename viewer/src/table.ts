@@ -37,6 +37,7 @@ const kColumns: Column[] = [
 
 const kFirst = 100;
 const kMostPrinted = 1000;
+const kShortName = 12; // longer ones get room on paper
 
 /** What a cell says under the pointer. */
 function hint(column: Column, pair: Pair): string {
@@ -92,6 +93,7 @@ export class Table {
       );
     }
     const robots = state.archive.result.robots.map((robot) => robot.name);
+    const long = state.archive.result.submaps.some(({ id }) => id.length > kShortName);
     byId("table").replaceChildren(
       element("h2", {}, "All pairs"),
       element(
@@ -105,7 +107,7 @@ export class Table {
         this.count,
       ),
       this.printed,
-      element("div", { class: "scroll" }, element("table", {}, element("thead", {}, this.head), this.body)),
+      element("div", { class: "scroll" }, element("table", { class: long ? "long-names" : "" }, element("thead", {}, this.head), this.body)),
       this.more,
     );
     state.on("selection", () => this.mark(true));
