@@ -42,11 +42,16 @@ struct DistanceSample {
 [[nodiscard]] DistanceSample measure_distances(const NearestVoxelSearch& source, const NearestVoxelSearch& target,
                                                const Pose3& T_target_source, const MatchingOptions& options);
 
-/// What measure_distances would find, guessed from at most `max_samples` evenly picked source voxels; scaled up.
+/// What measure_distances would find, guessed from some of the source's voxels.
 struct OverlapEstimate {
   double matched = 0.0;
   double overlap = 0.0;
+  double matched_at_most = 0.0;  ///< more in about one of a thousand guesses
+  double overlap_at_most = 0.0;  ///< the same
 };
+
+/// Looks at up to `max_samples` voxels of the source, spread over those whose blocks reach into the target's box
+/// widened by max_distance_m; where these are no more, nothing is guessed. O(blocks of the source + max_samples).
 [[nodiscard]] OverlapEstimate estimate_overlap(const VoxelMap& source, NearestVoxelCursor& target,
                                                const Pose3& T_target_source, const MatchingOptions& options,
                                                std::size_t max_samples);

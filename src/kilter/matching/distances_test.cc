@@ -86,6 +86,52 @@ TEST(EstimateOverlap, GuessesWhatMeasuringFinds) {
   EXPECT_EQ(estimate_overlap(line, cursor, Pose3::from_translation(0.0, 5.0, 0.0), {}, 500).matched, 0.0);
 }
 
+// A floor of which the other holds a corner: rows of the lattice are as long as samples are apart, or nearly.
+TEST(EstimateOverlap, IsNeverBelowWhatIsThereByMoreThanItSays) {
+  const auto floor_map = [](int voxels) {
+    std::vector<Eigen::Vector3d> points_m;
+    for (int x = 0; x < voxels; ++x) {
+      for (int y = 0; y < voxels; ++y) points_m.emplace_back(0.1 * x + 0.05, 0.1 * y + 0.05, 0.05);
+    }
+    MapBuilder builder({.resolution_m = 0.1});
+    builder.insert_points(points_m);
+    return builder.finish();
+  };
+  int below = 0;
+  for (const int voxels : {150, 300, 350}) {
+    const VoxelMap floor = floor_map(voxels);
+    const NearestVoxelSearch search(floor, VoxelPosition::kCentre, 1.0);
+    NearestVoxelCursor cursor(search);
+    for (const double corner_m : {1.0, 2.5, 4.0, 6.0}) {
+      for (const double aside_m : {0.0, 0.3}) {
+        const Pose3 T = Pose3::from_translation(0.1 * voxels - corner_m, 0.1 * voxels - corner_m - aside_m, 0.0);
+        const DistanceSample exact = measure(floor, search, T, {});
+        const OverlapEstimate guess = estimate_overlap(floor, cursor, T, {}, 500);
+        below += guess.matched_at_most < static_cast<double>(exact.matched());
+        below += guess.overlap_at_most < exact.overlap();
+        EXPECT_LE(guess.matched, guess.matched_at_most);
+        EXPECT_LT(guess.matched_at_most, 2.5 * static_cast<double>(exact.matched()) + 200.0);
+      }
+    }
+  }
+  EXPECT_EQ(below, 0);
+}
+
+TEST(EstimateOverlap, OfFewVoxelsIsWhatMeasuringFinds) {
+  const VoxelMap line = line_map(300, 0.0);
+  const NearestVoxelSearch search(line, VoxelPosition::kCentre, 1.0);
+  NearestVoxelCursor cursor(search);
+  const Pose3 T = Pose3::from_translation(21.03, 0.4, 0.0);
+  const DistanceSample exact = measure(line, search, T, {});
+  const OverlapEstimate guess = estimate_overlap(line, cursor, T, {}, 500);
+  EXPECT_EQ(guess.matched, static_cast<double>(exact.matched()));
+  EXPECT_EQ(guess.matched_at_most, guess.matched);
+  EXPECT_EQ(guess.overlap, exact.overlap());
+  const OverlapEstimate apart = estimate_overlap(line, cursor, Pose3::from_translation(0.0, 50.0, 0.0), {}, 500);
+  EXPECT_EQ(apart.matched_at_most, 0.0);
+  EXPECT_EQ(apart.overlap_at_most, 0.0);
+}
+
 // Figure 3a: two straight lines that meet at their start.
 TEST(MeasureDistances, LinesThatMeetAtAnAngleGiveUniformDistances) {
   const VoxelMap target = line_map(120, 0.0);

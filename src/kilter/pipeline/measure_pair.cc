@@ -94,14 +94,14 @@ PoseEvidence measure_at(const PairSearches& pair, const Pose3& T_target_source, 
 }
 
 // Measuring every voxel of every pair whose boxes touch would cost more than all the rest: a look at some of them
-// tells those that cannot come near the gate. Half the gate leaves room for the sampling.
+// tells those that cannot pass the gate.
 bool could_pass_gate(PairSearches& pair, const Pose3& T_target_source, const MatchingOptions& options) {
   const OverlapEstimate forward =
       estimate_overlap(pair.source.map(), pair.target, T_target_source, options, kGlanceVoxels);
   const OverlapEstimate backward =
       estimate_overlap(pair.target.map(), pair.source, T_target_source.inverse(), options, kGlanceVoxels);
-  return 2.0 * std::min(forward.matched, backward.matched) >= options.matched_min &&
-         2.0 * std::max(forward.overlap, backward.overlap) >= options.overlap_min;
+  return std::min(forward.matched_at_most, backward.matched_at_most) >= options.matched_min &&
+         std::max(forward.overlap_at_most, backward.overlap_at_most) >= options.overlap_min;
 }
 
 // The gates once more, for voxels that face the same way and are no farther apart than one surface may be.
