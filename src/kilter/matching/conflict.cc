@@ -34,6 +34,7 @@ ConflictCount count_conflict(const VoxelMap& surface, const VoxelMap& space, con
   const Eigen::Isometry3d T = T_space_surface.isometry();
   for (std::size_t i = 0; i < surface.voxels().size(); i += stride) {
     const Eigen::Vector3d at_m = T * surface.voxels().centroids_m[i].cast<double>();
+    if (!on_lattice(at_m, space.resolution_m())) continue;
     const VoxelIndex voxel = voxel_at(at_m, space.resolution_m());
     if (is_near(i, at_m, voxel)) {
       ++count.known;

@@ -44,6 +44,14 @@ TEST(MeasureConflict, AgreeingWallsHaveNone) {
   EXPECT_EQ(sample.share(), 0.0);
 }
 
+// Beyond the lattice nothing is known; block 0, which its numbers would lead to, is free.
+TEST(MeasureConflict, NothingIsKnownHalfwayRoundTheWorld) {
+  const VoxelMap wall = wall_at(3.04, true);
+  for (const double x_m : {1.7e6, 2e8, -2e8}) {
+    EXPECT_EQ(conflict(wall, wall, Pose3::from_translation(x_m, 0.0, 0.0)).known(), 0U);
+  }
+}
+
 TEST(MeasureConflict, AWallInsideFreeSpaceConflictsOneWay) {
   const VoxelMap far_wall = wall_at(3.04, true);
   const VoxelMap near_wall = wall_at(2.04, true);

@@ -132,9 +132,14 @@ void BlocksAsking::find_rows() {
   const double reach_m = limit_m_ + kSlackVoxels * target_.map().resolution_m();
   std::array<int, 3> first{};
   std::array<int, 3> last{};
+  const Eigen::AlignedBox3d& target_m = target_.map().bounds_m();  // far from which there are too many rows to ask
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    first[axis] = whole_below((box_.low_m[axis] - reach_m) / edge_m);
-    last[axis] = whole_below((box_.high_m[axis] + reach_m) / edge_m);
+    const auto k = static_cast<Eigen::Index>(axis);
+    const double low_m = std::max(box_.low_m[axis] - reach_m, target_m.min()[k] - edge_m);
+    const double high_m = std::min(box_.high_m[axis] + reach_m, target_m.max()[k] + edge_m);
+    if (low_m > high_m) return;
+    first[axis] = whole_below(low_m / edge_m);
+    last[axis] = whole_below(high_m / edge_m);
   }
   const auto gap_m = [&](std::size_t axis, int k) {
     return std::max({k * edge_m - box_.high_m[axis], box_.low_m[axis] - (k + 1) * edge_m, 0.0});

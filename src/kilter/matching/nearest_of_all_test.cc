@@ -137,6 +137,17 @@ TEST(NearestOfAll, IsTheSameWhereverItBegins) {
   }
 }
 
+// A robot whose poses jump that far is asked for all the same.
+TEST(NearestOfAll, WhatIsHalfwayRoundTheWorldIsNotSearchedFor) {
+  const VoxelMap source = room(1, 0.1, 9000);
+  const VoxelMap target = room(2, 0.1, 7000);
+  const NearestVoxelSearch from(source, VoxelPosition::kCentroid, 1.0);
+  const NearestVoxelSearch onto(target, VoxelPosition::kCentroid, 1.0);
+  for (const NearestVoxel& each : nearest_of_all(from, onto, Pose3::from_translation(2e8, -2e8, 2e8), 1.0)) {
+    ASSERT_EQ(each.voxel, kNoVoxel);
+  }
+}
+
 TEST(NearestOfAll, EmptyMapsHaveNothingNear) {
   const VoxelMap full = room(1, 0.1, 500);
   const VoxelMap empty = MapBuilder({.resolution_m = 0.1}).finish();

@@ -15,14 +15,13 @@ constexpr std::size_t kDenseAlways = 1 << 16;
 
 BlockIndex::BlockIndex(std::span<const std::uint64_t> keys) {
   if (keys.empty()) return;
-  Eigen::Vector3i high = block_of_key(keys.front());
-  low_ = high;
+  low_ = high_ = block_of_key(keys.front());
   for (const std::uint64_t key : keys) {
     const Eigen::Vector3i block = block_of_key(key);
     low_ = low_.cwiseMin(block);
-    high = high.cwiseMax(block);
+    high_ = high_.cwiseMax(block);
   }
-  size_ = high - low_ + Eigen::Vector3i::Ones();
+  size_ = high_ - low_ + Eigen::Vector3i::Ones();
   const double volume = size_.cast<double>().prod();
   if (volume > static_cast<double>(kDenseAlways + kDenseEntriesPerBlock * keys.size())) {
     build_hash(keys);

@@ -22,12 +22,11 @@ class BlockIndex {
   explicit BlockIndex(std::span<const std::uint64_t> keys);
 
   [[nodiscard]] std::int32_t find(const Eigen::Vector3i& block) const {
-    if (!dense_.empty()) {
-      const Eigen::Vector3i p = block - low_;
-      if ((p.array() < 0).any() || (p.array() >= size_.array()).any()) return kNone;
-      return dense_[(static_cast<std::size_t>(p.z()) * size_.y() + p.y()) * size_.x() + p.x()];
-    }
-    return find_hashed(block_key(block));
+    // Outside nothing is there, and keys of blocks far away are those of others.
+    if ((block.array() < low_.array()).any() || (block.array() > high_.array()).any()) return kNone;
+    if (dense_.empty()) return find_hashed(block_key(block));
+    const Eigen::Vector3i p = block - low_;
+    return dense_[(static_cast<std::size_t>(p.z()) * size_.y() + p.y()) * size_.x() + p.x()];
   }
 
   [[nodiscard]] std::size_t bytes() const;
@@ -36,7 +35,8 @@ class BlockIndex {
   [[nodiscard]] std::int32_t find_hashed(std::uint64_t key) const;
   void build_hash(std::span<const std::uint64_t> keys);
 
-  Eigen::Vector3i low_ = Eigen::Vector3i::Zero();
+  Eigen::Vector3i low_ = Eigen::Vector3i::Ones();  // first and last block on each axis; none if low_ is above high_
+  Eigen::Vector3i high_ = Eigen::Vector3i::Zero();
   Eigen::Vector3i size_ = Eigen::Vector3i::Zero();
   std::vector<std::int32_t> dense_;
   std::vector<std::uint64_t> slot_keys_;

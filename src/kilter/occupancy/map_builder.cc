@@ -23,11 +23,6 @@ constexpr std::size_t kHitsBetweenQuestions = 1'000'000;  // half a gigabyte if 
 // Of a cloud's point while it is taken: twice where a ray ends, and a hit.
 constexpr std::size_t kBytesAReturn = 2 * 3 * sizeof(float) + sizeof(HitSums::Hit);
 
-bool on_lattice(const Eigen::Vector3d& point_m, double resolution_m) {
-  const double end_m = resolution_m * (kMaxVoxelIndex - 1);
-  return std::abs(point_m.x()) < end_m && std::abs(point_m.y()) < end_m && std::abs(point_m.z()) < end_m;
-}
-
 template <typename Take>
 void move_some_at_a_time(std::span<const Eigen::Vector3f> points_m, const Pose3& T_map_cloud, const Take& take) {
   constexpr std::size_t kSome = 4096;
@@ -147,8 +142,7 @@ bool MapBuilder::mark_in_parts(std::size_t count, std::size_t at_once, const Kee
 bool MapBuilder::trace(const Eigen::Vector3f& from_m, const KeepGoing& keep_going) {
   const auto mark = kernels().trace;
   const double voxels_a_ray = 3.0 * options_.max_range_m / options_.resolution_m;
-  const double least = marks_.is_dense() ? 16.0 : 1.0;  // without a table nothing is traced together
-  const auto at_once = static_cast<std::size_t>(std::clamp(kVoxelsBetweenQuestions / voxels_a_ray, least, 1e6));
+  const auto at_once = static_cast<std::size_t>(std::clamp(kVoxelsBetweenQuestions / voxels_a_ray, 1.0, 1e6));
   const bool may_be_many = keep_going || marks_.window().total_bits() > kBitsOfFewMarks;
   if (!may_be_many || ends_m_.count <= at_once) {
     mark(from_m, ends_m_, options_.resolution_m, marks_);

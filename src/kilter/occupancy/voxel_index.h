@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cmath>
 #include <cstdint>
 
 namespace kilter {
@@ -57,6 +58,12 @@ inline constexpr int kMaxVoxelIndex = 1 << 21;
 [[nodiscard]] inline VoxelIndex voxel_at(const Eigen::Vector3d& point_m, double resolution_m) {
   const Eigen::Vector3d scaled = point_m * (1.0 / resolution_m);
   return {whole_below(scaled.x()), whole_below(scaled.y()), whole_below(scaled.z())};
+}
+
+/// Whether voxel_at() of such a point, and of its neighbours, is on the lattice; beyond that it means nothing.
+[[nodiscard]] inline bool on_lattice(const Eigen::Vector3d& point_m, double resolution_m) {
+  const double end_m = resolution_m * (kMaxVoxelIndex - 1);
+  return std::abs(point_m.x()) < end_m && std::abs(point_m.y()) < end_m && std::abs(point_m.z()) < end_m;
 }
 
 [[nodiscard]] inline Eigen::Vector3d voxel_centre(const VoxelIndex& voxel, double resolution_m) {

@@ -33,6 +33,20 @@ TEST(VoxelIndex, RoundsDownOnBothSidesOfZero) {
   EXPECT_EQ(whole_below(std::nextafter(3.0, 2.0)), 2);
 }
 
+// Keys of blocks repeat after 2^21 blocks; what is found by them must not.
+TEST(VoxelMap, KnowsNothingBeyondItsOwnBlocks) {
+  for (const double spread_m : {2.0, 3000.0}) {  // with a table of blocks, and with a hash over their keys
+    const VoxelMap map = random_map(3, spread_m, 200);
+    const VoxelIndex voxel = map.indices().front();
+    EXPECT_EQ(map.state(voxel), CellState::kOccupied);
+    for (int axis = 0; axis < 3; ++axis) {
+      const VoxelIndex far = voxel + VoxelIndex(VoxelIndex::Unit(axis) * (1 << 24));
+      EXPECT_EQ(map.state(far), CellState::kUnknown);
+      EXPECT_EQ(map.find_voxel(far), -1);
+    }
+  }
+}
+
 TEST(VoxelIndex, BlockKeysSortByZThenYThenXAndReadBack) {
   const Eigen::Vector3i low(-5, 3, -1);
   EXPECT_EQ(block_of_key(block_key(low)), low);

@@ -65,7 +65,8 @@ std::uint8_t sample(const Eigen::Vector3d& at_m, const VoxelMap& map, NearestVox
     byte = static_cast<std::uint8_t>(std::lround(nearest->distance_m / max_distance_m * SamplePicture::kSteps));
   }
   const bool near_surface = nearest && nearest->distance_m <= margin_m;
-  if (!near_surface && map.has_free_space() && is_free_with_neighbours(map, voxel_at(at_m, map.resolution_m()))) {
+  const bool may_be_free = !near_surface && map.has_free_space() && on_lattice(at_m, map.resolution_m());
+  if (may_be_free && is_free_with_neighbours(map, voxel_at(at_m, map.resolution_m()))) {
     byte = static_cast<std::uint8_t>(byte | SamplePicture::kThrough);
   }
   return byte;
