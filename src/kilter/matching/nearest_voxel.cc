@@ -106,8 +106,9 @@ NearestVoxelCursor::NearestVoxelCursor(const NearestVoxelSearch& search) : searc
 NearestVoxelCursor::Home& NearestVoxelCursor::home_at(const Eigen::Vector3i& block) {
   const std::uint32_t number = numbers_.find_or_add(block_key(block));
   if (number < homes_.size()) return homes_[number];
-  if (homes_.size() == kMostHomes) {
+  if (homes_.size() == kMostHomes || groups_ > kMostGroups) {
     homes_.clear();
+    groups_ = 0;
     numbers_ = {};
     numbers_.find_or_add(block_key(block));
   }
@@ -172,10 +173,12 @@ std::optional<NearestVoxel> NearestVoxelCursor::nearest(const Eigen::Vector3d& p
     if (square_m2 <= best.square_m2) best = {square_m2, static_cast<std::int32_t>(hint)};
   }
   std::size_t looked_at = 0;
+  groups_ -= home.groups.size();
   do {
     search_->scan_(search_->clusters_.points(), std::span(home.groups).subspan(looked_at), point.data(), best);
     looked_at = home.groups.size();
   } while (extend(home, best.square_m2));
+  groups_ += home.groups.size();
   if (best.number == ClusteredPoints::kNoNumber) return std::nullopt;
   last_voxel_ = static_cast<std::uint32_t>(best.number);
   const double distance_m = (voxel_position_m(map, last_voxel_, search_->position_) - point_m).norm();

@@ -92,7 +92,7 @@ class NearestVoxelSearch {
 
 /// The same search for many points: remembers which of the blocks around a point's block hold surfaces, so that points
 /// near each other, and the same points under another pose, look nothing up. Same answers to the bit. One for each
-/// thread; keep it as long as poses of one pair change. Memory is bounded (kMostHomes).
+/// thread; keep it as long as poses of one pair change. Memory is bounded (kMostHomes, kMostGroups).
 class NearestVoxelCursor {
  public:
   /// The search must outlive it.
@@ -109,6 +109,7 @@ class NearestVoxelCursor {
 
  private:
   static constexpr std::size_t kMostHomes = 1 << 13;
+  static constexpr std::size_t kMostGroups = 1 << 15;  // of all homes: 17 MB
 
   // A cluster of a block that was looked at, farther than the step went.
   struct Farther {
@@ -131,6 +132,7 @@ class NearestVoxelCursor {
   const NearestVoxelSearch* search_;
   KeyNumbers numbers_;                   // of blocks
   std::vector<Home> homes_;              // by number
+  std::size_t groups_ = 0;               // of all homes
   std::uint32_t last_voxel_ = kNoVoxel;  // what the last point had nearest
 };
 

@@ -95,6 +95,7 @@ const FieldCell* NearestVoxelField::build(std::int32_t slot) const {
   const std::lock_guard lock(building_);
   if (const FieldCell* others = place.load(std::memory_order_relaxed); others != nullptr) return others;
   const FieldBlock* block = &kNothingNear;
+  ++touched_;
   if (built) {
     block = built.get();
     blocks_.push_back(std::move(built));
@@ -108,7 +109,7 @@ std::size_t NearestVoxelField::bytes() const {
   constexpr std::size_t kOfAllocation = 16;
   constexpr std::size_t kPage = 4096;
   const std::size_t table = static_cast<std::size_t>(box_.size.cast<std::int64_t>().prod()) * kSlotBytes;
-  return occupied_.bytes() + std::min(table, kPage * (blocks_.size() + 1)) +
+  return occupied_.bytes() + std::min(table, kPage * (touched_ + 1)) +
          blocks_.size() * (sizeof(FieldBlock) + kOfAllocation + sizeof(blocks_.front()));
 }
 

@@ -65,6 +65,7 @@ class NearestVoxelField {
   std::unique_ptr<const FieldCell*[], Free> table_;
   mutable std::mutex building_;
   mutable std::vector<std::unique_ptr<const FieldBlock>> blocks_;
+  mutable std::size_t touched_ = 0;  // places of the table, those with nothing near included
 };
 
 }  // namespace kilter

@@ -57,6 +57,7 @@ TEST(OrderForReuse, NeedsFewReadsWithFewSubmapsHeld) {
   std::vector<std::size_t> as_they_come(pairs.size());
   std::iota(as_they_come.begin(), as_they_come.end(), std::size_t{0});
   EXPECT_LT(2 * reads(pairs, order_for_reuse(pairs), 10), reads(pairs, as_they_come, 10));
+  EXPECT_LT(5 * reads(pairs, order_for_reuse(pairs), 6), 4 * reads(pairs, as_they_come, 6));
 }
 
 }  // namespace

@@ -11,16 +11,27 @@
 
 #include "kilter/occupancy/map_builder.h"
 #include "kilter/pipeline/submap_store.h"
+#include "kilter/submap/build_submaps.h"
 
 namespace kilter {
 namespace {
 
+tl::unexpected<Error> stopped() { return fail(ErrorCode::kCancelled, "stopped while making the two maps"); }
+
 Expected<VoxelMap> map_of(const PointCloud& cloud, const std::optional<OccupancyCells>& cells, bool scan,
-                          const std::string& name, const OccupancyOptions& options) {
+                          const std::string& name, const OccupancyOptions& options, const RunContext& run) {
   if (cells) return map_from_cells(*cells, options);
   MapBuilder builder(options);
-  const bool done =
-      scan ? builder.insert_scan(cloud.points_m, Pose3(), {}) : builder.insert_points(cloud.points_m, Pose3(), {});
+  const std::size_t most_bytes = most_while_growing(run.memory_bytes);
+  std::size_t held_bytes = 0;
+  const MapBuilder::KeepGoing keep_going = [&](std::size_t bytes) {
+    held_bytes = bytes;
+    return !run.stop_requested() && held_bytes <= most_bytes;
+  };
+  const bool done = scan ? builder.insert_scan(cloud.points_m, Pose3(), keep_going)
+                         : builder.insert_points(cloud.points_m, Pose3(), keep_going);
+  if (run.stop_requested()) return stopped();
+  if (held_bytes > most_bytes) return pass_up(too_large_while_growing(held_bytes, most_bytes, name));
   if (!done) return pass_up(too_much_of_a_scan(name));
   return builder.finish();
 }
@@ -48,7 +59,7 @@ Expected<PairMeasurement> register_clouds(const CloudPair& clouds, const CheckOp
   constexpr std::size_t kSteps = 3;  // two maps and a registration
   parallel_for(sides.size(), part_of(run, 0, kSteps), [&](std::size_t i) {
     Expected<VoxelMap> map = map_of(*sides[i], *cells[i], clouds.scans,
-                                    i == 0 ? clouds.target_name : clouds.source_name, own.submap.occupancy);
+                                    i == 0 ? clouds.target_name : clouds.source_name, own.submap.occupancy, run);
     if (map) {
       maps[i] = std::make_unique<const SearchableMap>(*std::move(map), search_setup(own));
     } else {
@@ -57,6 +68,7 @@ Expected<PairMeasurement> register_clouds(const CloudPair& clouds, const CheckOp
   });
   for (std::size_t i = 0; i < maps.size(); ++i) {
     if (errors[i]) return pass_up(*errors[i]);
+    if (!maps[i]) return stopped();
     if (maps[i]->map().voxels().size() > 0) continue;
     return refuse_bare(clouds, i == 0, own.submap.occupancy);
   }

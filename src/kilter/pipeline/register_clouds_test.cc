@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
+
 namespace kilter {
 namespace {
 
@@ -36,6 +38,13 @@ TEST(RegisterClouds, HasARegistrationThatFailedWhereNothingMeets) {
   ASSERT_TRUE(pair->evidence.registration.has_value());
   EXPECT_FALSE(pair->evidence.registration->converged());
   EXPECT_EQ(pair->evidence.registration->T_target_source.translation_m(), init.translation_m());
+}
+
+TEST(RegisterClouds, StopsWhenAsked) {
+  const std::atomic<bool> cancelled = true;
+  const auto pair = register_clouds({corner_at(0.0F), corner_at(0.2F), Pose3()}, {}, {.cancelled = &cancelled});
+  ASSERT_FALSE(pair);
+  EXPECT_EQ(pair.error().code, ErrorCode::kCancelled);
 }
 
 }  // namespace

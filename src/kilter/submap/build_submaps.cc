@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 #include <string>
 #include <utility>
 
@@ -50,21 +51,14 @@ Pose3 pose_in_submap(const RobotLog& log, std::size_t first, std::size_t scan) {
 constexpr std::size_t kBudgetsWhileGrowing = 2;
 constexpr std::size_t kLeastWhileGrowing = std::size_t{256} << 20;
 
-Error too_large(std::size_t held_bytes, std::size_t limit_bytes, std::string where) {
-  return {ErrorCode::kOutOfMemory,
-          fmt::format("the map that this cloud goes into takes {:.0f} MB while it is made, and may take {:.0f} MB",
-                      static_cast<double>(held_bytes) / 1e6, static_cast<double>(limit_bytes) / 1e6),
-          std::move(where), "raise --memory, or use a coarser resolution or a smaller max_range"};
-}
-
 Expected<void> integrate(const RobotLog& log, std::size_t scan, const Pose3& T_submap_scan, const RunContext& run,
                          MapBuilder& builder, Submap& submap) {
   Expected<PointCloud> cloud = log.read_cloud(scan);
   if (!cloud) return pass_up(cloud.error());
   submap.dropped_points += cloud->dropped_nonfinite + cloud->dropped_far;
-  const std::size_t limit_bytes = std::max(kBudgetsWhileGrowing * run.memory_bytes, kLeastWhileGrowing);
+  const std::size_t most_bytes = most_while_growing(run.memory_bytes);
   std::size_t held_bytes = 0;
-  const auto fits = [&] { return run.memory_bytes == 0 || held_bytes <= limit_bytes; };
+  const auto fits = [&] { return held_bytes <= most_bytes; };
   const MapBuilder::KeepGoing keep_going = [&](std::size_t bytes) {
     held_bytes = bytes;
     return !run.stop_requested() && fits();
@@ -73,7 +67,7 @@ Expected<void> integrate(const RobotLog& log, std::size_t scan, const Pose3& T_s
                                          : builder.insert_scan(cloud->points_m, T_submap_scan, keep_going);
   if (run.stop_requested()) return stopped();
   if (!done && fits()) return pass_up(too_much_of_a_scan(log.cloud_name(scan)));
-  if (!done) return pass_up(too_large(held_bytes, limit_bytes, log.cloud_name(scan)));
+  if (!done) return pass_up(too_large_while_growing(held_bytes, most_bytes, log.cloud_name(scan)));
   if (!log.finished_submaps) submap.origins_m.push_back(T_submap_scan.translation_m());
   return {};
 }
@@ -106,6 +100,18 @@ ScanRange clouds_of(const SubmapNode& node) {
 }
 
 }  // namespace
+
+std::size_t most_while_growing(std::size_t memory_bytes) {
+  if (memory_bytes == 0) return std::numeric_limits<std::size_t>::max();
+  return std::max(kBudgetsWhileGrowing * memory_bytes, kLeastWhileGrowing);
+}
+
+Error too_large_while_growing(std::size_t held_bytes, std::size_t most_bytes, std::string where) {
+  return {ErrorCode::kOutOfMemory,
+          fmt::format("the map that this cloud goes into takes {:.0f} MB while it is made, and may take {:.0f} MB",
+                      static_cast<double>(held_bytes) / 1e6, static_cast<double>(most_bytes) / 1e6),
+          std::move(where), "raise --memory, or use a coarser resolution or a smaller max_range"};
+}
 
 Expected<std::vector<SubmapNode>> plan_submaps(const RobotLog& log, int robot_number, const CuttingOptions& options,
                                                const std::optional<std::vector<ScanRange>>& cuts) {

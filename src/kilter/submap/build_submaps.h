@@ -2,7 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "kilter/base/expected.h"
@@ -36,6 +38,12 @@ struct SubmapOptions {
 /// Cost: O(points * range / resolution); memory: its scans' points.
 [[nodiscard]] Expected<Submap> build_submap(const RobotLog& log, SubmapNode plan, const OccupancyOptions& options,
                                             const RunContext& run);
+
+/// How much a map may hold while it is made, where finished ones may take `memory_bytes` (0 = no limit). [bytes]
+[[nodiscard]] std::size_t most_while_growing(std::size_t memory_bytes);
+
+/// That a map would hold more.
+[[nodiscard]] Error too_large_while_growing(std::size_t held_bytes, std::size_t most_bytes, std::string where);
 
 /// All of one robot's submaps, planned and built, submaps in parallel.
 ///
