@@ -85,8 +85,10 @@ class Verdicts(CheckCase):
         self.assertEqual(read_result(self.out)["config"]["tolerance"], 0.8)
 
     def test_the_seed_preset_runs_the_papers_registration(self):
-        run = self.check("--preset", "seed")
+        run = self.check("--preset", "seed", "--set", "alpha=0.05", "--set", "registration_wide=3")
         self.assertIn(run.status, (0, 1, 4), run.stderr)
+        self.assertIn("OICP: registration_wide has no effect\n", run.stderr)
+        self.assertIn("other pairs: alpha has no effect on verdicts\n", run.stderr)
         result = read_result(self.out)
         self.assertEqual(result["config"]["registration"], "oicp")
         self.assertEqual(result["config"]["floor"], "none")

@@ -20,6 +20,10 @@ namespace {
 constexpr std::array<std::string_view, 5> kKeysOfScans = {"min_range", "max_range", "submap_distance",
                                                           "submap_rotation", "min_scans"};
 
+constexpr std::array<std::string_view, 2> kKeysOfPointToPlane = {"registration_wide", "registration_points"};
+
+constexpr std::array<std::string_view, 3> kKeysOfProbability = {"tolerance", "alpha", "prior_inconsistent"};
+
 constexpr std::array<std::string_view, 3> kKeysOfCuts = {"submap_distance", "submap_rotation", "min_scans"};
 
 // Those of the keys that have another value than usual.
@@ -48,6 +52,22 @@ std::optional<std::string> note_on_unused_keys(const Mission& mission, const Che
   if (finished.empty() || keys.empty()) return std::nullopt;
   return fmt::format("finished submaps are taken as they are: {} {} no effect on those of {}", some_of(keys),
                      keys.size() == 1 ? "has" : "have", some_of(finished));
+}
+
+std::vector<std::string> notes_on_keys_of_other_methods(const CheckOptions& options) {
+  std::vector<std::string> notes;
+  const auto say = [&](std::string_view method, std::span<const std::string_view> of, std::string_view on) {
+    const std::vector<std::string> keys = changed_keys(options, of);
+    if (keys.empty()) return;
+    notes.push_back(fmt::format("{}: {} {} no effect{}", method, some_of(keys), keys.size() == 1 ? "has" : "have", on));
+  };
+  if (options.registration.method == RegistrationMethod::kOicp) {
+    say("pairs are aligned by the paper's OICP", kKeysOfPointToPlane, "");
+  }
+  if (options.judge.method == JudgeMethod::kGamma) {
+    say("the paper's test holds Gamma against that of other pairs", kKeysOfProbability, " on verdicts");
+  }
+  return notes;
 }
 
 std::optional<std::string> take_keys_of_cuts(const std::string& cuts_result, CheckOptions& options) {
