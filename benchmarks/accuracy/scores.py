@@ -87,12 +87,13 @@ def weighted_calibration(p, above, weights, bins=10):
     return sum(parts) / weights.sum() if len(p) else float("nan")
 
 
-def logistic_fit(features, above, rounds=50):
-    """Weights (last one the constant) of a logistic regression by Newton's method with a small ridge."""
+def logistic_fit(features, above, ridge=1e-3, rounds=50):
+    """Weights (last one the constant) of a logistic regression by Newton's method; the ridge spares the constant."""
     X = np.hstack([features, np.ones((len(features), 1))])
     w = np.zeros(X.shape[1])
+    R = np.diag([ridge] * (len(w) - 1) + [1e-3])
     for _ in range(rounds):
         p = 1.0 / (1.0 + np.exp(-np.clip(X @ w, -30, 30)))
-        H = (X * (p * (1 - p))[:, None]).T @ X + 1e-3 * np.eye(len(w))
-        w = w + np.linalg.solve(H, X.T @ (above - p) - 1e-3 * w)
+        H = (X * (p * (1 - p))[:, None]).T @ X + R
+        w = w + np.linalg.solve(H, X.T @ (above - p) - R @ w)
     return w
