@@ -29,6 +29,7 @@ function(kilter_module name)
   set(uses ${M_USES})
   list(TRANSFORM uses PREPEND kilter::)
   target_link_libraries(${target} PUBLIC ${uses} ${M_LINKS} PRIVATE $<BUILD_INTERFACE:kilter_flags> ${M_PRIVATE_LINKS})
+  kilter_precompile(${target} kilter_precompiled)
   set_property(GLOBAL APPEND PROPERTY KILTER_MODULES ${target})
   install(TARGETS ${target} EXPORT kilterTargets
     ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}
@@ -39,6 +40,7 @@ function(kilter_module name)
     add_executable(${target}_test ${M_TESTS})
     target_compile_options(${target}_test PRIVATE $<$<CONFIG:Release>:-O1>)  # up to two fifths less to compile than with -O3
     target_link_libraries(${target}_test PRIVATE ${target} $<BUILD_INTERFACE:kilter_flags> kilter_testing GTest::gmock GTest::gtest_main)
+    kilter_precompile(${target}_test kilter_precompiled_tests)
     set_target_properties(${target}_test PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
     include(GoogleTest)
     gtest_discover_tests(${target}_test TEST_PREFIX "${name}." DISCOVERY_TIMEOUT 60
