@@ -206,7 +206,7 @@ class Explain(unittest.TestCase):
         evidence = re.findall(r"^\| `(\w+)` \|", source("docs/verdicts.md"), re.M)
         self.assertIn("conflict_registered", evidence)
         others = ["offset_m", "offset_vector", "gap_m", "p_value", "p_inconsistent", "unobservable", "minimum_detectable_m",
-                  "certificate_m", "certificate_excludes", "log_odds", "decided", "constraint", "cycles", "theta_oicp", "gamma_literal"]
+                  "certificate_m", "certificate_of", "frames", "certificate_excludes", "log_odds", "decided", "constraint", "cycles", "theta_oicp", "gamma_literal"]
         others += ["overlap", "matched", "offset_interval_m", "offset_deg", "mu", "sigma", "mu_t", "var_t", "covariance",
                    "covariance_scale", "log_probability", "too_little_overlap", "verdict", "reason", "kind", "sequential",
                    "local", "global", "offset_low_m", "offset_high_m", "offset_x", "evidence_bend_m_log_ratio"]

@@ -121,6 +121,12 @@ constexpr std::array kFindings = {
     Topic{"cycles",
           "Three registrations, chained, have to lead back. What they leave over, against their covariances, says "
           "whether these are too narrow in this map (`covariance_scale`)."},
+    Topic{"frames",
+          "Robots that lie off others as wholes: one motion of all poses of `source` (`T_world_correction`, from the "
+          "left) "
+          "that nearly all registrations between the two ask for. Odometry has nothing to do with it: look at how the "
+          "two were brought into one frame."},
+    Topic{"certificate-of", "`certificate_of`: the pair whose disagreement may be as large as `certificate_m`."},
     Topic{"decided",
           "Which share of the overlapping pairs was decided, by kind and for each two robots. "
           "`min_decided` of each is asked for before a map is called consistent."},

@@ -87,8 +87,9 @@ std::span<const OddityTopic> oddity_catalog() {
                   "Clouds meet each other if their sensor looks another way than the poses, and not as they are: poses "
                   "are the vehicle's or another sensor's, and how this one is mounted was left out. The turn is known "
                   "to about two degrees; where the sensor sits cannot be told in this way.",
-                  "give the sensor's place on the robot as T_body_sensor, `x y z` and this quaternion (that of a "
-                  "T_body_sensor that is set, times this one)"},
+                  "give the sensor's place on the robot as T_body_sensor, `x y z` and a quaternion: that of the "
+                  "mount or of a calibration, for this one is good to two degrees, which a map shows as decimetres (or "
+                  "that of a T_body_sensor that is set, times this one)"},
       OddityTopic{"mirrored-poses",
                   "Clouds meet each other if axes of the poses are turned round or exchanged, and not as they are: one "
                   "of both has left-handed axes (game engines, y to the south, z down with x and y as before). A robot "

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <deque>
 #include <optional>
 #include <utility>
@@ -160,6 +161,27 @@ CycleClosure widen_covariances(const std::deque<PairMeasurement>& measured, cons
   return closure;
 }
 
+// Of the registrations that are handed on and fix the whole pose of two rigid submaps.
+std::vector<FrameOffset> frame_offsets(const std::deque<PairMeasurement>& measured,
+                                       const std::vector<SubmapNode>& nodes, const std::vector<PairResult>& pairs,
+                                       const JudgeOptions& options) {
+  std::vector<FrameWitness> witnesses;
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    const std::optional<RegistrationResult>& registration = measured[i].evidence.registration;
+    if (!pairs[i].trusted || !pairs[i].verdict.unobservable.empty() || !is_rigid(*registration, options)) continue;
+    const SubmapNode& source = nodes[static_cast<std::size_t>(pairs[i].id.source.value)];
+    const SubmapNode& target = nodes[static_cast<std::size_t>(pairs[i].id.target.value)];
+    const Pose3& T_target_source = registration->T_target_source;
+    const Eigen::Vector3d middle_target_m = registration->centre_target_m + registration->places_arm_m;
+    const Eigen::Vector3d arm_m = registration->places_arm_m;
+    witnesses.push_back({target.robot, source.robot,
+                         target.T_world_submap * T_target_source * source.T_world_submap.inverse(),
+                         source.T_world_submap * (T_target_source.inverse() * middle_target_m),
+                         std::sqrt(std::max(registration->scatter_m2.trace() - arm_m.squaredNorm(), 0.0))});
+  }
+  return find_frame_offsets(witnesses, options.tolerance_m);
+}
+
 void summarise(const std::vector<RobotLog>& robots, BuiltSubmaps& built, Result& result) {
   for (const RobotLog& robot : robots) {
     const std::vector<double> path = path_lengths_m(robot.T_world_cloud);
@@ -247,6 +269,7 @@ Expected<Result> check(const std::vector<RobotLog>& robots, const CheckOptions& 
   result.pairs.reserve(measured.size());
   for (std::size_t i = 0; i < measured.size(); ++i)
     result.pairs.push_back(pair_result(measured[i], judged[i].verdict, options));
+  result.frames = frame_offsets(measured, submaps.nodes, result.pairs, options.judge);
   result.cycles = widen_covariances(measured, options.judge, result.pairs);
   summarise(robots, submaps, result);
   if (run.fuse_maps) {

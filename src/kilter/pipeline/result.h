@@ -16,6 +16,7 @@
 #include "kilter/submap/fuse_submaps.h"
 #include "kilter/submap/submap.h"
 #include "kilter/verification/cycles.h"
+#include "kilter/verification/frame_offset.h"
 #include "kilter/verification/verdict.h"
 
 namespace kilter {
@@ -70,6 +71,7 @@ struct Result {
   std::size_t too_little_overlap = 0;  ///< of these, neither measured nor predicted overlap passed the gate: not listed
   MapVerdict system;
   CycleClosure cycles;  ///< of the trusted registrations; their covariances are widened by its scale already
+  std::vector<FrameOffset> frames;  ///< robots that lie off others as wholes, by numbers of `robots`
   std::vector<FusedMap> maps;
   std::optional<Picture> picture;         ///< if it was asked for
   std::map<std::string, double> seconds;  ///< by stage; differs from run to run

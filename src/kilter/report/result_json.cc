@@ -188,16 +188,34 @@ void write_log_probability(JsonWriter& json, const LogProbability& log_probabili
   json.close();
 }
 
+void write_frame(JsonWriter& json, const Result& result, const FrameOffset& frame) {
+  const auto name = [&](int robot) -> const std::string& {
+    return result.robots[static_cast<std::size_t>(robot)].name;
+  };
+  const auto numbers = [](const Eigen::Vector3d& vector) { return std::span<const double>(vector.data(), 3); };
+  json.open_object(Layout::kCompact).field("target", name(frame.target_robot));
+  json.field("source", name(frame.source_robot)).field("T_world_correction", frame.T_world_correction);
+  json.field("middle", numbers(frame.middle_world_m)).field("shift", numbers(frame.shift_m));
+  json.field("offset_m", frame.offset_m).field("agreeing", frame.agreeing).field("witnesses", frame.witnesses).close();
+}
+
 void write_system(JsonWriter& json, const Result& result) {
   const MapVerdict& system = result.system;
   json.key("system").open_object();
   json.field("verdict", to_string(system.state)).field("consistent", system.state == MapState::kConsistent);
   json.field("reason", system.reason).field("certificate_m", system.certificate_m);
-  json.key("certificate_excludes").open_list();
-  for (const PairId& id : system.certificate_excludes) {
+  const auto write_pair = [&](const PairId& id) {
     json.open_list(Layout::kCompact).value(result.submap(id.target).name);
     json.value(result.submap(id.source).name).close();
+  };
+  json.key("certificate_of");
+  if (system.certificate_of) {
+    write_pair(*system.certificate_of);
+  } else {
+    json.null();
   }
+  json.key("certificate_excludes").open_list();
+  for (const PairId& id : system.certificate_excludes) write_pair(id);
   json.close();
   write_log_probability(json, system.log_probability);
   json.field("tested", system.tested).field("inconsistent", system.inconsistent);
@@ -210,7 +228,9 @@ void write_system(JsonWriter& json, const Result& result) {
   json.key("cycles").open_object(Layout::kCompact);
   json.field("closed", result.cycles.closed).field("nees_median", result.cycles.nees_median);
   json.field("covariance_scale", result.cycles.covariance_scale).close();
-  json.close();
+  json.key("frames").open_list();
+  for (const FrameOffset& frame : result.frames) write_frame(json, result, frame);
+  json.close().close();
 }
 
 }  // namespace

@@ -215,10 +215,14 @@ void certify(const std::vector<JudgedPair>& pairs, std::size_t robots, MapVerdic
       if (pair.verdict.without_registration) map.certificate_excludes.push_back(pair.id);
       continue;
     }
-    map.certificate_m = std::max(map.certificate_m.value_or(0.0), *pair.verdict.disagreement_most_m);
+    if (map.certificate_m.value_or(-1.0) >= *pair.verdict.disagreement_most_m) continue;
+    map.certificate_m = *pair.verdict.disagreement_most_m;
+    map.certificate_of = pair.id;
   }
   map.untied = untied_submaps(pairs, robots);
-  if (map.untied > 0) map.certificate_m.reset();
+  if (map.untied == 0) return;
+  map.certificate_m.reset();
+  map.certificate_of.reset();
 }
 
 }  // namespace

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "kilter/verification/judge.h"
 #include "testing/moved_pair.h"
 
@@ -24,6 +26,12 @@ TEST(JudgeMap, OneBadPairMakesTheMapInconsistent) {
   EXPECT_EQ(map.inconsistent, 1U);
   EXPECT_EQ(map.tested, 20U);
   EXPECT_GT(*map.certificate_m, 0.4);
+  ASSERT_TRUE(map.certificate_of);
+  const auto widest = std::find_if(pairs.begin(), pairs.end(), [&](const JudgedPair& pair) {
+    return pair.verdict.disagreement_most_m == map.certificate_m;
+  });
+  ASSERT_NE(widest, pairs.end());
+  EXPECT_EQ(*map.certificate_of, widest->id);
   EXPECT_LT(map.log_probability.global.at("a,b"), -20.0);
 }
 

@@ -109,6 +109,7 @@ struct MapVerdict {
   MapState state = MapState::kUndetermined;
   std::string reason;                        ///< one sentence
   std::optional<double> certificate_m;       ///< smallest X of "consistent to X m at 95 %"
+  std::optional<PairId> certificate_of;      ///< the pair whose disagreement may be as large
   std::vector<PairId> certificate_excludes;  ///< overlapping pairs that the certificate says nothing about
   /// Submaps outside the largest part that pairs with a bounded disagreement tie together; above 0 there is no
   /// certificate.
