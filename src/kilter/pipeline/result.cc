@@ -16,6 +16,11 @@ ConsistencyMatrix matrix_of(const Result& result, std::optional<PairScore> PairR
 
 }  // namespace
 
+std::optional<Eigen::Vector3d> offset_rotation_rad(const PairResult& pair) {
+  if (!pair.verdict.offset_rad || !pair.T_target_source_registered) return std::nullopt;
+  return (*pair.T_target_source_registered * pair.T_target_source.inverse()).log().tail<3>();
+}
+
 ConsistencyMatrix gamma_matrix(const Result& result) { return matrix_of(result, &PairResult::score); }
 
 ConsistencyMatrix theta_matrix(const Result& result) { return matrix_of(result, &PairResult::registered_score); }

@@ -79,6 +79,10 @@ struct Result {
   [[nodiscard]] const SubmapSummary& submap(SubmapId id) const { return submaps[static_cast<std::size_t>(id.value)]; }
 };
 
+/// The turn that brings a pair's source to where registration finds it, as a rotation vector along the target's axes:
+/// that of T_registered * T_map^-1, its length offset_rad; absent where no offset was measured. [rad]
+[[nodiscard]] std::optional<Eigen::Vector3d> offset_rotation_rad(const PairResult& pair);
+
 /// The paper's matrices of a result: Gamma, Theta and Gamma^v (N x N, lower triangle).
 [[nodiscard]] ConsistencyMatrix gamma_matrix(const Result& result);
 [[nodiscard]] ConsistencyMatrix theta_matrix(const Result& result);

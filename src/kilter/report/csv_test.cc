@@ -83,7 +83,8 @@ TEST(PairsCsv, ColumnsAreTheSameWhateverWasMeasured) {
   EXPECT_EQ(lines[0], lines_of(pairs_csv(testing::small_result()))[0]);
   EXPECT_NE(lines[0].find(",constraint,evidence_agreeing,evidence_agreeing_log_ratio,evidence_ambiguity,"),
             std::string::npos);
-  EXPECT_TRUE(lines[1].ends_with(std::string(24, ','))) << lines[1];
+  EXPECT_NE(lines[1].find("," + std::string(24, ',')), std::string::npos) << lines[1];
+  EXPECT_TRUE(lines[0].ends_with(",evidence_support_log_ratio,offset_rx,offset_ry,offset_rz")) << lines[0];
 }
 
 TEST(PairsCsv, CellsStandUnderTheirNames) {
@@ -130,6 +131,22 @@ TEST(PairsCsv, CellsStandUnderTheirNames) {
     EXPECT_EQ(empty.at(name), "") << name;
   }
   EXPECT_EQ(empty.at("verdict"), "unverified");
+}
+
+// To the left by a tenth of a radian, in a target that stands on its side: about its x axis.
+TEST(PairsCsv, TheTurnIsAlongTheTargetsAxes) {
+  Result result = testing::small_result();
+  PairResult& pair = result.pairs[1];
+  pair.verdict.offset_rad = 0.1;
+  pair.T_target_source = Pose3::exp((Vector6() << 3.0, -2.0, 1.0, 0.7, -0.4, 1.5).finished());
+  pair.T_target_source_registered =
+      Pose3::exp((Vector6() << 0.2, 0.0, 0.0, 0.1, 0.0, 0.0).finished()) * pair.T_target_source;
+  const std::vector<std::string> cells = cells_of(lines_of(pairs_csv(result))[2]);
+  const auto cell = [&](std::size_t from_end) { return std::stod(cells[cells.size() - from_end]); };
+  EXPECT_NEAR(cell(3), 0.1, 1e-12);
+  EXPECT_NEAR(cell(2), 0.0, 1e-12);
+  EXPECT_NEAR(cell(1), 0.0, 1e-12);
+  EXPECT_TRUE(lines_of(pairs_csv(result))[3].ends_with(",,,"));
 }
 
 }  // namespace

@@ -67,6 +67,13 @@ Cells judged(const PairResult& pair) {
   return cells;
 }
 
+// The columns from offset_rx to offset_rz: the turn as a vector along the target's axes. [rad]
+Cells turned(const PairResult& pair) {
+  const std::optional<Eigen::Vector3d> turn_rad = offset_rotation_rad(pair);
+  if (!turn_rad) return Cells(3);
+  return {turn_rad->x(), turn_rad->y(), turn_rad->z()};
+}
+
 void append(std::string& text, const Cells& cells) {
   for (const std::optional<double>& cell : cells) text += ',' + csv_cell(cell);
 }
@@ -76,7 +83,7 @@ void append(std::string& text, const Cells& cells) {
 std::string pairs_csv(const Result& result) {
   std::string text(kColumns);
   for (const std::string_view name : kEvidence) text += fmt::format(",evidence_{0},evidence_{0}_log_ratio", name);
-  text += '\n';
+  text += ",offset_rx,offset_ry,offset_rz\n";
   for (const PairResult& pair : result.pairs) {
     text += csv_cell(result.submap(pair.id.target).name) + ',' + csv_cell(result.submap(pair.id.source).name);
     text += ',' + csv_cell(to_string(pair.kind));
@@ -89,6 +96,7 @@ std::string pairs_csv(const Result& result) {
       const bool there = piece != pair.verdict.evidence.end();
       append(text, {there ? piece->second.value : std::nullopt, there ? piece->second.log_ratio : std::nullopt});
     }
+    append(text, turned(pair));
     text += '\n';
   }
   return text;
