@@ -55,6 +55,7 @@ class Verdicts(CheckCase):
         run = self.check()
         self.assertEqual(run.status, 1, run.stderr)
         self.assertTrue(run.stdout.startswith("INCONSISTENT: "), run.stdout)
+        self.assertRegex(run.stdout, r"p inconsistent\n! b/1 <- b/2 +sequential +40 cm ", "where it happened comes first")
         result = read_result(self.out)
         self.assertEqual(result["system"]["verdict"], "inconsistent")
         pair = next(p for p in result["pairs"] if (p["target"], p["source"]) == ("b/1", "b/2"))

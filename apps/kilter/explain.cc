@@ -114,8 +114,8 @@ constexpr std::array kFindings = {
     Topic{"reason",
           "Why a pair or the map has its `verdict`, in words; of a pair that is unverified, what is missing."},
     Topic{"too-little-overlap",
-          "Pairs of neighbouring submaps that were not tested, since they overlap less than `overlap_min` and "
-          "`matched_min` ask for."},
+          "Pairs of submaps near each other, not in a row, that were not tested, since they overlap less than "
+          "`overlap_min` and `matched_min` ask for."},
     Topic{"constraint",
           "Whether a pair's registration is handed on as an edge of constraints.g2o: the pair is decided, and by it."},
     Topic{"cycles",

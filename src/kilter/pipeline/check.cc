@@ -260,9 +260,10 @@ Expected<Result> check(const std::vector<RobotLog>& robots, const CheckOptions& 
   for (const RobotLog& robot : robots) names.push_back(robot.name);
   result.system = judge_map(judged, names, options.judge);
   if (judged.empty() && result.too_little_overlap > 0) {
-    result.system.reason =
-        fmt::format("nothing to compare: {} pairs are near enough to show the same place, but share too little of it",
-                    result.too_little_overlap);
+    result.system.reason = fmt::format(
+        "nothing to compare: {} near enough to show the same place, but share{} too little of it",
+        result.too_little_overlap == 1 ? "1 pair is" : fmt::format("{} pairs are", result.too_little_overlap),
+        result.too_little_overlap == 1 ? "s" : "");
   }
   result.candidates = static_cast<std::size_t>(std::count_if(
       candidates.begin(), candidates.end(), [](const auto& pair) { return pair.kind != PairKind::kSequential; }));

@@ -4,12 +4,8 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cmath>
-#include <map>
-#include <numbers>
 #include <set>
-#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -17,6 +13,8 @@
 
 #include "kilter/base/expected.h"
 #include "kilter/report/text_lines.h"
+#include "kilter/report/unverified_causes.h"
+#include "kilter/report/worst_pairs.h"
 
 namespace kilter {
 namespace {
@@ -120,45 +118,18 @@ void add_counts(Lines& lines, const Result& result) {
                                 by_verdict[1], by_verdict[2]));
   }
   if (result.too_little_overlap > 0) {
-    lines.push_back(fmt::format("  {} more of {} neighbouring pairs overlap too little to be tested",
-                                result.too_little_overlap, result.candidates));
+    const bool one = result.too_little_overlap == 1;
+    lines.push_back(fmt::format("  {} more pair{} of submaps near each other share{} too little to be tested",
+                                result.too_little_overlap, one ? "" : "s", one ? "s" : ""));
   }
-}
-
-// What pairs with the same trouble have in common: their reason without what was measured ("offset 3 cm (...)"),
-// without what comes after a semicolon, and with dots for numbers.
-std::string cause_of(std::string_view reason) {
-  if (reason.starts_with("offset ")) {
-    const std::size_t end = reason.find(')');
-    if (end != std::string_view::npos) reason.remove_prefix(end + 1);
-    reason.remove_prefix(std::min(reason.find_first_not_of(" ,;:"), reason.size()));
-    if (reason.starts_with("but ")) reason.remove_prefix(4);
-  }
-  reason = reason.substr(0, reason.find(';'));
-  std::string cause;
-  bool in_number = false;
-  bool in_word = false;
-  for (const char c : reason) {
-    const bool digit = c >= '0' && c <= '9';
-    in_word = std::isalpha(static_cast<unsigned char>(c)) != 0 || (digit && in_word);  // log10 is no number
-    if (digit && !in_number && !in_word) cause += "..";
-    in_number = !in_word && (digit || (in_number && c == '.'));
-    if (!in_number) cause += c;
-  }
-  return cause;
 }
 
 // The reasons for saying neither, the commonest first; what finds no room is counted together.
 constexpr std::size_t kReasonLines = 3;
 void add_reasons(Lines& lines, const Result& result) {
-  std::map<std::string, int> counts;
-  for (const PairResult& pair : result.pairs) {
-    if (pair.verdict.verdict == Verdict::kUnverified) ++counts[cause_of(pair.verdict.reason)];
-  }
-  std::vector<std::pair<std::string, int>> reasons(counts.begin(), counts.end());
-  std::stable_sort(reasons.begin(), reasons.end(), [](const auto& a, const auto& b) { return a.second > b.second; });
+  std::vector<std::pair<std::string, std::size_t>> reasons = unverified_causes(result);
   const std::size_t shown = reasons.size() > kReasonLines ? kReasonLines - 1 : reasons.size();
-  int others = 0;
+  std::size_t others = 0;
   for (std::size_t i = shown; i < reasons.size(); ++i) others += reasons[i].second;
   reasons.resize(shown);
   std::string_view label = "Unverified";
@@ -186,91 +157,6 @@ std::vector<std::string> robots_that_never_meet(const Result& result) {
     }
   }
   return never;
-}
-
-std::string probability_text(std::optional<double> p) {
-  if (!p) return "-";
-  if (*p > 0.995) return ">0.99";
-  if (*p < 0.005) return "<0.01";
-  return fmt::format("{:.2f}", *p);
-}
-
-std::string offset_text(const PairVerdict& verdict) {
-  if (!verdict.offset_m) return "-";
-  const int decimals = *verdict.offset_m < 0.1 ? 1 : 0;
-  std::string text = fmt::format("{:.{}f} cm", *verdict.offset_m * 100.0, decimals);
-  if (verdict.offset_interval_m) {
-    const auto [low_m, high_m] = *verdict.offset_interval_m;
-    text += fmt::format(" [{:.{}f}, {:.{}f}]", low_m * 100.0, decimals, high_m * 100.0, decimals);
-  }
-  return text;
-}
-
-// Whether the registration behind a pair's offset is believed: a displacement that is not has no p-value, and where the
-// map's pose is wrong without it, which one is right is open.
-bool is_believed(const PairVerdict& verdict) { return verdict.p_value && !verdict.without_registration; }
-
-// The paper's own test has no p-values and takes registration as it is.
-std::string shift_text(const Result& result, const PairResult& pair, const SummaryOptions& options) {
-  if (!pair.verdict.offset_vector_m) return "-";
-  if (!options.papers_test && !is_believed(pair.verdict)) return "not known";
-  const Pose3& T_world_target = result.submap(pair.id.target).T_world_submap;
-  const Eigen::Vector3d shift_cm = T_world_target.rotation() * *pair.verdict.offset_vector_m * 100.0;
-  const int decimals = shift_cm.norm() < 10.0 ? 1 : 0;
-  const double step = decimals == 1 ? 0.1 : 1.0;
-  // Rounded before it is printed, or -0.2 would read "-0".
-  const Eigen::Vector3d shown = (shift_cm / step).array().round() * step + 0.0;
-  return fmt::format("x{:+.{}f} y{:+.{}f} z{:+.{}f}{}", shown.x(), decimals, shown.y(), decimals, shown.z(), decimals,
-                     pair.verdict.unobservable.empty() ? "" : " +?");
-}
-
-std::vector<const PairResult*> worst_pairs(const Result& result, std::size_t count) {
-  std::vector<const PairResult*> pairs;
-  for (const PairResult& pair : result.pairs) {
-    if (pair.verdict.verdict == Verdict::kInconsistent || pair.verdict.offset_m) pairs.push_back(&pair);
-  }
-  const auto badness = [](const PairResult& pair) {
-    const bool inconsistent = pair.verdict.verdict == Verdict::kInconsistent;
-    const double offset_m = pair.verdict.offset_m.value_or(0.0);
-    return std::tuple(inconsistent, is_believed(pair.verdict), offset_m);
-  };
-  std::stable_sort(pairs.begin(), pairs.end(),
-                   [&](const PairResult* a, const PairResult* b) { return badness(*a) > badness(*b); });
-  if (pairs.size() > count) pairs.resize(count);
-  return pairs;
-}
-
-std::array<std::string, 6> worst_row(const Result& result, const PairResult& pair, const SummaryOptions& options) {
-  const char mark = pair.verdict.verdict == Verdict::kInconsistent ? '!'
-                    : pair.verdict.verdict == Verdict::kUnverified ? '?'
-                                                                   : ' ';
-  const std::string degrees =
-      pair.verdict.offset_rad ? fmt::format("{:.1f} deg", *pair.verdict.offset_rad * 180.0 / std::numbers::pi) : "-";
-  return {fmt::format("{} {} <- {}", mark, cut_front(printable(result.submap(pair.id.target).name), 13),
-                      cut_front(printable(result.submap(pair.id.source).name), 13)),
-          std::string(to_string(pair.kind)),
-          offset_text(pair.verdict),
-          degrees,
-          shift_text(result, pair, options),
-          "p " + probability_text(pair.verdict.p_inconsistent)};
-}
-
-void add_worst(Lines& lines, const Result& result, const SummaryOptions& options) {
-  std::vector<std::array<std::string, 6>> rows;
-  for (const PairResult* pair : worst_pairs(result, 5)) rows.push_back(worst_row(result, *pair, options));
-  if (rows.empty()) return;
-  lines.push_back(fmt::format("{}, target <- source (! inconsistent, ? unverified): offset, 95 % interval, rotation,",
-                              result.system.state == MapState::kInconsistent ? "Worst pairs" : "Largest offsets"));
-  lines.push_back("shift of the source in world axes [cm] that mends it (+? along open directions), p inconsistent");
-  std::array<std::size_t, 6> widths{};
-  for (const auto& row : rows) {
-    for (std::size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], columns_of(row[i]));
-  }
-  for (const auto& row : rows) {
-    std::string line;
-    for (std::size_t i = 0; i < row.size(); ++i) line += (i > 0 ? "  " : "") + padded(row[i], widths[i]);
-    lines.push_back(cut_end(line.substr(0, line.find_last_not_of(' ') + 1), kWidth));
-  }
 }
 
 // A path that may be typed: whole, or as the option's help calls it where no line holds it.
@@ -365,10 +251,11 @@ std::string next_step(const Result& result, const SummaryOptions& options, bool 
                            fmt::join(without, ", "));
       }
       if (result.pairs.empty() && result.too_little_overlap > 0) {
+        const bool one = result.too_little_overlap == 1;
         return fmt::format(
-            "{} pairs are near enough to show the same place, but share less than overlap_min and matched_min ask for: "
+            "{} pair{} near enough to show the same place, but share{} less than overlap_min and matched_min ask for: "
             "lower these, or take finer voxels (resolution)",
-            result.too_little_overlap);
+            result.too_little_overlap, one ? " is" : "s are", one ? "s" : "");
       }
       if (result.submaps.size() < 2) {
         return "one submap has nothing to be compared with: shorter submaps (submap_distance) make more of a short way";
@@ -392,7 +279,8 @@ std::string summary(const Result& result, const SummaryOptions& options) {
   add_reasons(lines, result);
   const std::vector<std::string> never = robots_that_never_meet(result);
   if (!never.empty()) add_labelled(lines, "Never meet", fmt::format("{}", fmt::join(never, "; ")), 1);
-  add_worst(lines, result, options);
+  const Lines worst = worst_pair_lines(result, options.papers_test, kWidth);
+  lines.insert(lines.end(), worst.begin(), worst.end());
   add_labelled(lines, "Next", next_step(result, options, !never.empty()), 4);
   return fmt::format("{}\n", fmt::join(lines, "\n"));
 }

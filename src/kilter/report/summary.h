@@ -25,12 +25,7 @@ inline constexpr int kSummaryLines = 26;     ///< at most
 inline constexpr int kSummaryColumns = 100;  ///< at most, colour codes not counted
 
 /// The result as a person reads it at the end of a run: plain text, the verdict first, then what it rests on, the five
-/// worst pairs, what was left out and what to do next.
-///
-/// Worst are the inconsistent pairs; of these, and of the others, those whose registration is believed; by offset. A
-/// pair's row shows its RMS offset with the 95 % interval, the rotation, and the *shift*: how far the source submap
-/// would have to move, along x, y and z of the world frame, to lie where registration finds it (offset_vector turned
-/// from the target's axes by the map's pose), or that it is not known where that registration is not believed.
+/// worst pairs (worst_pair_lines), what was left out and what to do next.
 [[nodiscard]] std::string summary(const Result& result, const SummaryOptions& options = {});
 
 }  // namespace kilter

@@ -24,15 +24,6 @@ std::vector<std::string> lines_of(const std::string& text) {
   return lines;
 }
 
-std::size_t line_with(const std::string& text, const std::string& part) {
-  const std::vector<std::string> lines = lines_of(text);
-  for (std::size_t i = 0; i < lines.size(); ++i) {
-    if (lines[i].find(part) != std::string::npos) return i;
-  }
-  ADD_FAILURE() << "no line has " << part << " in\n" << text;
-  return 0;
-}
-
 TEST(Summary, SaysWhatSourcesWere) {
   SummaryOptions options;
   options.sources = {"GLIM dump, 3 submaps, 1 robot", "mission, 2 scans, 1 robot"};
@@ -80,42 +71,6 @@ TEST(Summary, FitsATerminalHoweverLargeTheMission) {
     for (const std::string& line : lines)
       EXPECT_LE(columns_of(line), static_cast<std::size_t>(kSummaryColumns)) << line;
   }
-}
-
-TEST(Summary, ARowTellsOffsetIntervalRotationAndShift) {
-  const std::string text = summary(testing::small_result());
-  EXPECT_THAT(text, HasSubstr("! a/1 <- b/1  global      43 cm [39, 47]     1.7 deg  x+0 y-40 z+15 +?   p 0.97"));
-  EXPECT_THAT(text, HasSubstr("  a/1 <- a/2  sequential  2.0 cm [1.0, 3.0]  0.1 deg  x+2.0 y+0.0 z+0.0  p <0.01"));
-}
-
-TEST(Summary, TheShiftIsTurnedIntoTheWorld) {
-  Result result = testing::small_result();
-  const Eigen::Quaterniond quarter_turn(Eigen::AngleAxisd(M_PI / 2.0, Eigen::Vector3d::UnitZ()));
-  result.submaps[0].T_world_submap = Pose3(quarter_turn, Eigen::Vector3d(5.0, 5.0, 5.0));
-  EXPECT_THAT(summary(result), HasSubstr("x+40 y+0 z+15"));
-}
-
-TEST(Summary, NoShiftIsToldWhereNobodyKnowsTheRightOne) {
-  Result result = testing::small_result();
-  for (PairResult& pair : result.pairs) {
-    if (pair.verdict.verdict == Verdict::kInconsistent) pair.verdict.without_registration = "another pose fits better";
-  }
-  const std::string text = summary(result);
-  EXPECT_THAT(text, HasSubstr("43 cm [39, 47]     1.7 deg  not known "));
-  EXPECT_THAT(text, HasSubstr("x+2.0 y+0.0 z+0.0"));
-}
-
-TEST(Summary, ARegistrationThatIsNotBelievedTellsNoShiftAndComesLast) {
-  Result result = testing::small_result();
-  PairResult& doubted = result.pairs[2];
-  doubted.verdict = result.pairs[1].verdict;
-  doubted.verdict.verdict = Verdict::kUnverified;
-  doubted.verdict.offset_m = 3.2;  // the storey above
-  doubted.verdict.p_value.reset();
-  const std::string text = summary(result);
-  const std::size_t at = line_with(text, "320 cm");
-  EXPECT_THAT(lines_of(text)[at], HasSubstr("not known"));
-  EXPECT_LT(line_with(text, "2.0 cm [1.0, 3.0]"), at);
 }
 
 TEST(Summary, AdvisesTheOptimiserOnlyIfThereIsAConstraintToGiveIt) {
@@ -168,6 +123,8 @@ TEST(Summary, GatesThatLeaveNoPairAreNamed) {
   EXPECT_THAT(summary(result), HasSubstr("where it shows a place twice"));
   result.too_little_overlap = 7;
   EXPECT_THAT(summary(result), HasSubstr("7 pairs are near enough to show the same place"));
+  result.too_little_overlap = 1;
+  EXPECT_THAT(summary(result), HasSubstr("1 pair is near enough to show the same place, but shares less"));
 }
 
 TEST(Summary, ReasonsBeyondTheThirdAreCounted) {
@@ -195,20 +152,15 @@ TEST(Summary, ThePapersTestKnowsNoTolerance) {
   EXPECT_THAT(summary(result, options), Not(HasSubstr("nothing to mend")));
 }
 
-TEST(Summary, InconsistentPairsComeBeforeLargerOffsetsThatAreNot) {
-  Result result = testing::small_result();
-  result.pairs[0].verdict.verdict = Verdict::kUnverified;
-  result.pairs[0].verdict.offset_m = 9.0;
-  const std::string text = summary(result);
-  EXPECT_LT(line_with(text, "! a/1 <- b/1"), line_with(text, "? a/1 <- a/2"));
-}
-
 TEST(Summary, CountsPairsByKind) {
   const std::string text = summary(testing::small_result());
   EXPECT_THAT(text, HasSubstr("  sequential       1            1             0           0\n"));
   EXPECT_THAT(text, HasSubstr("  global           2            0             1           1\n"));
   EXPECT_THAT(text, HasSubstr("Unverified  1 x too little overlap\n"));
-  EXPECT_THAT(text, HasSubstr("  1 more of 3 neighbouring pairs overlap too little"));
+  EXPECT_THAT(text, HasSubstr("  1 more pair of submaps near each other shares too little to be tested\n"));
+  Result more = testing::small_result();
+  more.too_little_overlap = 8;
+  EXPECT_THAT(summary(more), HasSubstr("  8 more pairs of submaps near each other share too little to be tested\n"));
 }
 
 TEST(Summary, ReasonsThatDifferInNumbersAreCountedTogether) {
@@ -219,9 +171,9 @@ TEST(Summary, ReasonsThatDifferInNumbersAreCountedTogether) {
   testing::add_empty_pair(result, 2, 0).verdict.reason = "offset 13.1 cm (9.0 to 24.2 cm): too uncertain";
   testing::add_empty_pair(result, 3, 0).verdict.reason = "too little overlap: 7 % match; moved by 1.5 m, more would";
   const std::string text = summary(result);
-  EXPECT_THAT(text, HasSubstr("Unverified  2 x too uncertain\n            1 x "));
-  EXPECT_THAT(text, HasSubstr("  1 x too little overlap: .. % match\n"));
-  EXPECT_THAT(text, HasSubstr("  1 x the pair agrees no better there\n"));
+  EXPECT_THAT(text, HasSubstr("Unverified  2 x too uncertain to be told from the tolerance\n            1 x "));
+  EXPECT_THAT(text, HasSubstr("  1 x too little overlap\n"));
+  EXPECT_THAT(text, HasSubstr("  1 x it agrees no better where registration puts it\n"));
   Result by_gamma = testing::result_of({{"a", 5}});
   testing::add_empty_pair(by_gamma, 4, 3).verdict.reason = "log10 Gamma 1.20 is low for this map (from 1.51)";
   EXPECT_THAT(summary(by_gamma), HasSubstr("Unverified  1 x log10 Gamma .. is low for this map (from ..)\n"));
