@@ -45,6 +45,16 @@ class SubmapPoses(unittest.TestCase):
             for a, b in zip(pose_of(before), pose_of(after), strict=True):
                 self.assertAlmostEqual(a, b, places=6)
         self.assertEqual(*([p["verdict"] for p in r["pairs"]] for r in (self.first, result)))
+        self.assertIn(".g2o: submaps moved by 0.00 to 0.00 m (median 0.00 m), 0.0 to 0.0 deg\n", run.stderr)
+
+    def test_a_graph_of_another_map_is_told_by_its_names_and_its_distance(self):
+        graph = (self.out / "constraints.g2o").read_text(encoding="utf-8")
+        run, out = self.again(graph.replace("# a/2\n", "# b/2\n"), "--cuts", self.out)
+        self.assertEqual((run.status, run.stdout, out.exists()), (3, "", False), run.stderr)
+        self.assertIn("vertex 1 is called b/2, but that submap here is a/2", run.stderr)
+        poses = [[x + 6.0, *rest] for x, *rest in (pose_of(submap) for submap in self.first["submaps"])]
+        run, _ = self.again(graph_of(poses), "--cuts", self.out, command="submaps")
+        self.assertIn("submaps moved by 6.00 to 6.00 m (median 6.00 m), 0.0 to 0.0 deg; so far as that", run.stderr)
 
     def test_where_each_submap_belongs_makes_the_map_consistent(self):
         truth = self.tiny.folder / "at-truth"

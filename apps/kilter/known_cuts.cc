@@ -3,7 +3,9 @@
 #include "apps/kilter/known_cuts.h"
 
 #include <algorithm>
+#include <cstddef>
 #include <filesystem>
+#include <numbers>
 #include <vector>
 
 #include <fmt/format.h>
@@ -20,6 +22,30 @@ bool same_poses(const std::optional<std::string>& a, const std::optional<std::st
   if (!a || !b) return a.has_value() == b.has_value();
   std::error_code error;
   return *a == *b || std::filesystem::equivalent(*a, *b, error);
+}
+
+constexpr double kFarMove_m = 5.0;  // of half the submaps: no correction of a map that odometry held together
+
+double median_of(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+std::string note_on_moves(const std::string& graph, const std::vector<SubmapMove>& moves) {
+  std::vector<double> distances_m;
+  std::vector<double> angles_deg;
+  for (const SubmapMove& move : moves) {
+    distances_m.push_back(move.distance_m);
+    angles_deg.push_back(move.angle_rad * 180.0 / std::numbers::pi);
+  }
+  const auto [near_m, far_m] = std::minmax_element(distances_m.begin(), distances_m.end());
+  const auto [least_deg, most_deg] = std::minmax_element(angles_deg.begin(), angles_deg.end());
+  const double median_m = median_of(distances_m);
+  return fmt::format(
+      "{}: submaps moved by {:.2f} to {:.2f} m (median {:.2f} m), {:.1f} to {:.1f} deg{}", printable(graph), *near_m,
+      *far_m, median_m, *least_deg, *most_deg,
+      median_m > kFarMove_m ? "; so far as that looks like the graph of another map, or in another frame" : "");
 }
 
 }  // namespace
@@ -77,7 +103,9 @@ Expected<Cuts> place_submaps(Mission& mission, CheckOptions& options, const std:
                                           there ? "with --poses " + printable(*there) : "without --poses"));
     }
   }
-  if (auto moved = move_submaps(*submap_poses, cuts, mission.robots); !moved) return pass_up(moved.error());
+  const Expected<std::vector<SubmapMove>> moved = move_submaps(*submap_poses, cuts, mission.robots);
+  if (!moved) return pass_up(moved.error());
+  mission.notes.push_back(note_on_moves(*submap_poses, *moved));
   return cuts;
 }
 

@@ -19,7 +19,7 @@ namespace kilter::app {
 /// What check and submaps are told by --cuts and --submap-poses: reads the former, and moves the mission's submaps to
 /// where the latter has them. The options take over how the former was cut. \return where to cut, empty without --cuts;
 /// or what either fails with. \param poses  what --poses says: a submap is moved with the poses that its scans had
-/// inside it
+/// inside it. How far submaps moved is told in a note of `mission`
 [[nodiscard]] Expected<Cuts> place_submaps(Mission& mission, CheckOptions& options,
                                            const std::optional<std::string>& cuts_result,
                                            const std::optional<std::string>& submap_poses,

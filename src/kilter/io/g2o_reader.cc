@@ -50,6 +50,17 @@ Expected<NumberedPose> parse_vertex(std::string_view line) {
   return NumberedPose{*id, *pose};
 }
 
+// The name of a submap, ROBOT/N, if that is all that a line's comment holds.
+std::optional<std::string_view> submap_name_in(std::string_view line) {
+  std::string_view text = line.substr(std::min(line.find('#'), line.size()));
+  if (!text.starts_with("# ")) return std::nullopt;
+  text.remove_prefix(2);
+  const std::size_t slash = text.rfind('/');
+  if (slash == std::string_view::npos || slash == 0 || !parse_count(text.substr(slash + 1))) return std::nullopt;
+  if (text.find(" <- ") != std::string_view::npos) return std::nullopt;  // an edge's two
+  return text;
+}
+
 struct PlacedVertex {
   NumberedPose vertex;
   std::size_t line = 0;
@@ -99,6 +110,25 @@ Expected<std::vector<NumberedPose>> read_g2o_vertices(std::string_view bytes, co
   vertices.reserve(placed.size());
   for (const PlacedVertex& each : placed) vertices.push_back(each.vertex);
   return vertices;
+}
+
+std::map<std::uint64_t, std::string> g2o_vertex_names(std::string_view bytes) {
+  ByteCursor cursor(without_byte_order_mark(bytes));
+  std::map<std::uint64_t, std::string> names;
+  std::optional<std::string_view> above;
+  while (const std::optional<std::string_view> line = cursor.take_line()) {
+    std::string_view rest = line->substr(0, line->find('#'));
+    const std::optional<std::string_view> beside = submap_name_in(*line);
+    if (take_word(rest) == kVertex) {
+      const std::optional<std::uint64_t> id = parse_count(take_word(rest));
+      const std::optional<std::string_view> name = beside ? beside : above;
+      if (id && name) names.emplace(*id, *name);
+      above.reset();
+    } else {
+      above = line->starts_with('#') ? beside : std::nullopt;
+    }
+  }
+  return names;
 }
 
 }  // namespace kilter

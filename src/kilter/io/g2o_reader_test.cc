@@ -41,6 +41,17 @@ TEST(ReadG2oVertices, NamesLineColumnExpectedAndFound) {
   expect_error(good + "\n" + good, ErrorCode::kParse, "graph.g2o:3: vertex 0 is given twice, first in line 1");
 }
 
+TEST(G2oVertexNames, AreThoseOfCommentsThatNameASubmap) {
+  const auto names = g2o_vertex_names(
+      "# kilter: submaps as vertices, T_world_submap\n"
+      "# a/1\nVERTEX_SE3:QUAT 0 0 0 0 0 0 0 1\r\n"
+      "VERTEX_SE3:QUAT 1 0 0 0 0 0 0 1 # robot b/12\n"
+      "# see notes/2024 for more\nVERTEX_SE3:QUAT 2 0 0 0 0 0 0 1\n"
+      "# a/3\n\nVERTEX_SE3:QUAT 3 0 0 0 0 0 0 1\n"
+      "# a/1 <- a/2\nVERTEX_SE3:QUAT 4 0 0 0 0 0 0 1\n");
+  EXPECT_EQ(names, (std::map<std::uint64_t, std::string>{{0, "a/1"}, {1, "robot b/12"}}));
+}
+
 TEST(ReadG2oVertices, RefusesPosesThatAreNone) {
   expect_error("VERTEX_SE3:QUAT 1 0 nan 0 0 0 0 1", ErrorCode::kInvalidPose, "graph.g2o:1: column 4 is nan");
   expect_error("VERTEX_SE3:QUAT 1 0 1e400 0 0 0 0 1", ErrorCode::kInvalidPose, "column 4 is inf");

@@ -13,6 +13,12 @@
 
 namespace kilter {
 
+/// How far a submap was moved: its origin, and by which angle it turned.
+struct SubmapMove {
+  double distance_m = 0.0;
+  double angle_rad = 0.0;
+};
+
 /// Moves submaps to where an optimiser put the vertices of constraints.g2o; a submap's scans go with it as one body.
 ///
 /// A vertex's id is the submap's number from 0: all of the first robot, then the second, ... Scans [first, last] of a
@@ -22,13 +28,14 @@ namespace kilter {
 /// \param where   the file's name, for messages
 /// \param cuts    where each robot's scans were cut; finished submaps are not looked up
 /// \param robots  of the mission, sorted by name; unchanged where this fails
-/// \return  what read_g2o_vertices fails with; or kCountMismatch (scans without cuts, cuts for other scans, as many
-///          vertices as submaps are expected, with ids from 0).
-[[nodiscard]] Expected<void> move_submaps(std::string_view bytes, const std::string& where, const Cuts& cuts,
-                                          std::vector<RobotLog>& robots);
+/// \return  how each submap moved, in order of ids; what read_g2o_vertices fails with; or kCountMismatch (scans without
+///          cuts, cuts for other scans, as many vertices as submaps are expected, with ids from 0, and where comments
+///          name submaps, with their names).
+[[nodiscard]] Expected<std::vector<SubmapMove>> move_submaps(std::string_view bytes, const std::string& where,
+                                                             const Cuts& cuts, std::vector<RobotLog>& robots);
 
 /// The same of a file. \return also what read_file fails with.
-[[nodiscard]] Expected<void> move_submaps(const std::filesystem::path& graph, const Cuts& cuts,
-                                          std::vector<RobotLog>& robots);
+[[nodiscard]] Expected<std::vector<SubmapMove>> move_submaps(const std::filesystem::path& graph, const Cuts& cuts,
+                                                             std::vector<RobotLog>& robots);
 
 }  // namespace kilter

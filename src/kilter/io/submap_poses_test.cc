@@ -44,6 +44,30 @@ TEST(MoveSubmaps, ScansGoWithTheirSubmapAsOneBody) {
   ASSERT_TRUE(moved) << to_string(moved.error());
   expect_at(robots[0], {{0, 0, 5}, {1, 0, 5}, {2, 0, 0}, {2, 1, 0}});
   expect_at(robots[1], {{0, 7, 0}, {1, 7, 0}});
+  ASSERT_EQ(moved->size(), 3U);
+  EXPECT_NEAR((*moved)[0].distance_m, 5.0, 1e-12);
+  EXPECT_NEAR((*moved)[0].angle_rad, 0.0, 1e-7);
+  EXPECT_NEAR((*moved)[1].distance_m, 0.0, 1e-12);
+  EXPECT_NEAR((*moved)[1].angle_rad, M_PI / 2.0, 1e-7);
+  EXPECT_NEAR((*moved)[2].distance_m, 7.0, 1e-12);
+}
+
+TEST(MoveSubmaps, RefusesAGraphWhoseCommentsNameOtherSubmaps) {
+  std::vector<RobotLog> robots = {robot("a", 2), robot("b", 1)};
+  for (RobotLog& log : robots) log.finished_submaps = true;
+  const std::string vertices =
+      "# a/1\nVERTEX_SE3:QUAT 0 0 0 0 0 0 0 1\n# {}\nVERTEX_SE3:QUAT 1 0 0 0 0 0 0 1\n"
+      "VERTEX_SE3:QUAT 2 0 0 0 0 0 0 1 # the last one\n";
+  const auto named = [&](const std::string& name) {
+    std::string graph = vertices;
+    return graph.replace(graph.find("{}"), 2, name);
+  };
+  EXPECT_TRUE(move_submaps(named("a/2"), "new.g2o", {}, robots));
+  EXPECT_TRUE(move_submaps(named("of 2024"), "new.g2o", {}, robots)) << "no name of a submap";
+  const auto refused = move_submaps(named("b/1"), "new.g2o", {}, robots);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::kCountMismatch);
+  EXPECT_EQ(refused.error().message, "vertex 1 is called b/1, but that submap here is a/2");
 }
 
 TEST(MoveSubmaps, FinishedSubmapsNeedNoCuts) {
