@@ -75,7 +75,20 @@ Expected<FoundRobot> robot_from_path(const fs::path& path, const SourceKind& kin
   return FoundRobot{name, path, &kind, {}, {}, 0, {}};
 }
 
+// An output folder of check, or the archive or the JSON in it.
+bool is_result(const fs::path& path) {
+  const fs::path folder = is_folder(path) ? path : path.parent_path();
+  const bool named = folder == path || path.extension() == ".kilter" || path.filename() == "result.json";
+  return named && is_file(folder / "result.json") && is_file(folder / "result.kilter");
+}
+
+tl::unexpected<Error> refuse_result(const fs::path& path) {
+  return fail(ErrorCode::kUnsupported, "this is a result of kilter check, no mission", shown(path),
+              "kilter report draws it again; name the mission that it was made from instead");
+}
+
 tl::unexpected<Error> refuse_file(const fs::path& path) {
+  if (is_result(path)) return refuse_result(path);
   // Most often a scan of KITTI's; octrees and other programs' dumps are called so, too.
   if (cloud_format_of(path.filename().native()) == CloudFormat::kBin) {
     return fail(ErrorCode::kUnsupported, "a .bin file alone does not tell what it holds, and is no source", shown(path),
@@ -240,6 +253,7 @@ Expected<std::vector<FoundRobot>> robots_of_named(const std::string& name, const
   const SourceKind* kind = recognise(path);
   if (kind == nullptr && !is_folder(path)) return refuse_file(path);
   if (kind == nullptr) {
+    if (is_result(path)) return refuse_result(path);
     if (auto ok = check_holds_no_robot(path); !ok) return pass_up(ok.error());
     const auto clouds = list_clouds_of(path);
     if (clouds || clouds.error().code != ErrorCode::kEmptyInput) return refuse_folder(path);
@@ -272,6 +286,7 @@ Expected<std::vector<FoundRobot>> robots_of_path(const PathAndTopics& parts) {
     left_out = std::move(inside->left_out);
   }
   if (candidates.empty()) {
+    if (is_result(path)) return refuse_result(path);
     if (auto ok = check_holds_no_robot(path); !ok) return pass_up(ok.error());
     return refuse_folder(path);
   }

@@ -30,6 +30,22 @@ void write_robot(const TempFolder& folder, const std::string& name) {
   folder.write(name + "/scans/000000.pcd", cloud_number(0));
 }
 
+TEST(FindRobots, AResultOfCheckIsToldFromAMission) {
+  const TempFolder folder;
+  folder.write("out/result.json", "{}");
+  folder.write("out/coloured.ply", "");
+  EXPECT_EQ(open_mission({(folder.path() / "out").string()}).error().code, ErrorCode::kNotFound) << "somebody else's";
+  folder.write("out/result.kilter", "");
+  for (const std::string name : {"", "r="}) {
+    for (const char* const inside : {"out", "out/", "out/result.json", "out/result.kilter"}) {
+      const auto mission = open_mission({name + (folder.path() / inside).string()});
+      ASSERT_FALSE(mission) << name << inside;
+      EXPECT_EQ(mission.error().message, "this is a result of kilter check, no mission") << name << inside;
+      EXPECT_NE(mission.error().hint.find("kilter report"), std::string::npos);
+    }
+  }
+}
+
 // A mission of robots a and c, of which c is to be spoilt.
 struct TwoRobots {
   TempFolder folder;

@@ -46,7 +46,8 @@ Expected<Pose3> read_calibration(const fs::path& sequence) {
   if (!is_file(file)) {
     return fail(ErrorCode::kNotFound, "expected calib.txt with a line `Tr:`, found none", shown(sequence),
                 "KITTI's poses are the camera's and cannot be used without it. If yours are the lidar's own, name the "
-                "folder of scans `scans` instead of `velodyne`");
+                "folder of scans `scans` instead of `velodyne`; if they are the vehicle's, the same, and set "
+                "T_body_sensor");
   }
   const auto bytes = read_file(file, kMaxCalibrationBytes);
   if (!bytes) return pass_up(bytes.error());
@@ -80,7 +81,9 @@ Expected<std::vector<Pose3>> read_camera_poses(const fs::path& file) {
   return fail(
       ErrorCode::kUnsupported,
       fmt::format("expected twelve columns, the camera's poses as KITTI has them, found {}", name_of(list->layout)),
-      shown(file), "if these are the lidar's own poses, name the folder of scans `scans` instead of `velodyne`");
+      shown(file),
+      "if these are the lidar's own poses, name the folder of scans `scans` instead of `velodyne`; if they are "
+      "the vehicle's, the same, and set T_body_sensor");
 }
 
 }  // namespace

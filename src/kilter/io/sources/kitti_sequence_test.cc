@@ -78,6 +78,8 @@ TEST(KittiSequence, CannotDoWithoutTheCalibration) {
   const fs::path sequence = folder.path() / "sequences/04";
   fs::remove(sequence / "calib.txt");
   expect_source_error(open_source(sequence), ErrorCode::kNotFound, "expected calib.txt with a line `Tr:`");
+  EXPECT_NE(open_source(sequence).error().hint.find("if they are the vehicle's, the same, and set T_body_sensor"),
+            std::string::npos);
   folder.write("sequences/04/calib.txt", "P0: 1 2 3\n");
   expect_source_error(open_source(sequence), ErrorCode::kNotFound, "calib.txt: expected a line `Tr:`, found none");
   folder.write("sequences/04/calib.txt", "P0: 1\nTr: 1 0 0 0 0 1 0\n");
