@@ -12,6 +12,7 @@ import tempfile
 import time
 import tomllib
 import unittest
+from pathlib import Path
 
 from kilter_runner import SOURCE_DIR, kilter_binary, main, run_kilter
 from tiny_mission import TinyMission
@@ -89,6 +90,12 @@ class Help(unittest.TestCase):
                     self.assertEqual((run.status, run.stdout), (2, ""))
                     self.assertRegex(run.stderr, rf'^usage: {option}: expected {words}, found "{value}"\n  try: kilter ')
 
+    def test_what_is_no_number_of_threads_is_told_in_words(self):
+        for value in ("two", "2.5", "0", "1025", "-1", ""):
+            run = run_kilter("check", "x", "--jobs", value)
+            self.assertEqual((run.status, run.stdout), (2, ""))
+            self.assertIn(f'--jobs: expected a whole number from 1 to 1024, found "{value}"\n', run.stderr)
+
     def test_an_option_without_its_value_or_given_twice_is_told_in_words(self):
         for arguments, words in ((("check", "x", "-o"), "--output: expected a value, found none"),
                                  (("check", "x", "-o", "a", "-o", "b"), "--output: expected once, found 2 times"),
@@ -136,6 +143,37 @@ class Config(unittest.TestCase):
             file = tiny.folder / "keys.toml"
             file.write_text(shown.stdout)
             self.assertEqual(run_kilter("config", "show", "--config", file).stdout, shown.stdout)
+
+    def test_mountings_of_robots_of_any_name_and_of_all_are_read_back(self):
+        place = "0 0 1.5 0 0 0 1"
+        for robots, line in ((("",), "T_body_sensor = [0, 0, 1.5, 0, 0, 0, 1]\n"),
+                             ((".Jörg's 车 # 1",), "T_body_sensor.\"Jörg's 车 # 1\" = [0, 0, 1.5, 0, 0, 0, 1]\n"),
+                             (("", ".é"), 'T_body_sensor."" = [0, 0, 1.5, 0, 0, 0, 1]\n')):
+            mounted = [word for robot in robots for word in ("--set", f"T_body_sensor{robot}={place}")]
+            shown = run_kilter("config", "show", *mounted)
+            self.assertIn("\n" + line, shown.stdout)
+            with tempfile.TemporaryDirectory() as folder:
+                file = Path(folder) / "keys.toml"
+                file.write_text(shown.stdout, encoding="utf-8")
+                again = run_kilter("config", "show", "--config", file)
+            self.assertEqual((again.stdout, again.stderr), (shown.stdout, ""))
+
+    def test_what_a_line_that_is_no_toml_meant_is_offered(self):
+        for line, hint in (("tolerance = 10 cm", 'quote it: tolerance = "10 cm"'),
+                           ("registration = oicp # the paper's", 'quote it: registration = "oicp"'),
+                           ("tolerance: 0.1", "use =: tolerance = 0.1"),
+                           ("tolerance : 5 %", 'use = and quotes: tolerance = "5 %"'),
+                           ("[tolerance", "kilter explain config"), ("tolerance =", "kilter explain config"),
+                           ("é = 1", "a robot of such a name stands in quotes: "),
+                           (f"T_body_sensor = {[1.0] * 16}", "of a matrix, its last column x y z, then its rotation as a "),
+                           (f"T_body_sensor = {[1.0] * 6}", "kilter explain config")):
+            with self.subTest(line=line), tempfile.TemporaryDirectory() as folder:
+                file = Path(folder) / "keys.toml"
+                file.write_text(f"alpha = 0.01\n{line}\n", encoding="utf-8")
+                run = run_kilter("config", "show", "--config", file)
+                self.assertEqual((run.status, run.stdout), (2, ""))
+                self.assertIn("keys.toml:2: ", run.stderr)
+                self.assertIn(f"\n  try: {hint}", run.stderr)
 
     def test_promised_keys_are_there_with_their_defaults(self):
         keys = tomllib.loads(run_kilter("config", "show").stdout)

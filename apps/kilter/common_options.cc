@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "apps/kilter/terminal.h"
+#include "apps/kilter/whole_option.h"
 #include "kilter/base/parallel.h"
 
 namespace kilter::app {
@@ -28,9 +29,7 @@ void add_common_options(CLI::App& command, CommonOptions& options) {
       command.add_option("--set", options.settings, "set one key of `kilter config show`; may be repeated")
           ->option_text("KEY=VALUE")
           ->allow_extra_args(false),
-      command.add_option("--jobs", options.jobs, "threads to use (as many as there are processors)")
-          ->option_text("N")
-          ->check(CLI::Range(1, 1024)),
+      add_whole_option(command, "--jobs", options.jobs, 1, 1024, "threads to use (as many as there are processors)"),
       command
           .add_option("--memory", options.memory,
                       "most that submaps take, e.g. 4G or 512M (check: half of what is free)")

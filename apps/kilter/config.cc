@@ -54,9 +54,12 @@ std::string as_toml(Settings& settings) {
   }
   text += fmt::format("# {}\n", kSensorDoc);
   if (settings.T_body_sensor.empty()) text += "# T_body_sensor = [0, 0, 0, 0, 0, 0, 1]\n";
+  // The key cannot have a value for all robots and names of some behind it: "" is all there.
+  const bool for_all_alone = settings.T_body_sensor.size() == 1 && settings.T_body_sensor.contains("");
   for (const auto& [robot, pose] : settings.T_body_sensor) {
     JsonWriter numbers;
-    text += fmt::format("{}.{} = {}", kSensorKey, json_string(robot), numbers.value(pose).take());
+    text += fmt::format("{}{} = {}", kSensorKey, for_all_alone ? std::string() : '.' + json_string(robot),
+                        numbers.value(pose).take());
   }
   return text;
 }

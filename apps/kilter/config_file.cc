@@ -3,6 +3,7 @@
 #include "apps/kilter/settings.h"
 
 #include <algorithm>
+#include <charconv>
 #include <optional>
 
 #include <fmt/format.h>
@@ -66,24 +67,66 @@ Expected<void> located(Expected<void> done, const std::string& file, const toml:
   return done;
 }
 
-// What stands in a line in front of its comment. A # between quotes begins none.
-std::string_view before_comment(std::string_view line) {
+bool is_ascii(char c) { return static_cast<unsigned char>(c) <= 0x7F; }
+
+struct LineParts {
+  std::string_view before_comment;  // a # between quotes begins none
+  bool plain_is_ascii = true;       // what of it stands outside quotes
+};
+
+LineParts parts_of(std::string_view line) {
   char quote = '\0';
+  bool plain_is_ascii = true;
   for (std::size_t i = 0; i < line.size(); ++i) {
-    if (quote == '\0' && line[i] == '#') return line.substr(0, i);
+    if (quote == '\0' && line[i] == '#') return {line.substr(0, i), plain_is_ascii};
     if (quote == '"' && line[i] == '\\') {
       ++i;
     } else if (line[i] == quote) {
       quote = '\0';
-    } else if (quote == '\0' && (line[i] == '"' || line[i] == '\'')) {
-      quote = line[i];
+    } else if (quote == '\0') {
+      if (line[i] == '"' || line[i] == '\'') quote = line[i];
+      plain_is_ascii = plain_is_ascii && is_ascii(line[i]);
     }
   }
-  return line;
+  return {line, plain_is_ascii};
+}
+
+std::string_view trimmed(std::string_view text) {
+  constexpr std::string_view kBlanks = " \t\r";
+  text.remove_prefix(std::min(text.find_first_not_of(kBlanks), text.size()));
+  return text.substr(0, text.find_last_not_of(kBlanks) + 1);
+}
+
+// What was most likely meant by a line that is no TOML: a value that has to be in quotes, or another sign than =. Empty
+// where that is no guess.
+std::string meant_by(std::string_view line) {
+  line = trimmed(parts_of(line).before_comment);
+  constexpr std::string_view kOfKeys = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_.";
+  const std::string_view key = line.substr(0, line.find_first_not_of(kOfKeys));
+  std::string_view value = trimmed(line.substr(key.size()));
+  const bool has_equals = value.starts_with('=');
+  if (key.empty() || value.empty()) return {};
+  if (has_equals || value.starts_with(':')) value = trimmed(value.substr(1));
+  constexpr std::string_view kOfValues = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_.+-% ";
+  if (value.empty() || value.find_first_not_of(kOfValues) != std::string_view::npos) return {};
+  double number = 0.0;
+  const auto [end, status] = std::from_chars(value.data(), value.data() + value.size(), number);
+  const bool is_bare =
+      (status == std::errc() && end == value.data() + value.size()) || value == "true" || value == "false";
+  if (is_bare) return has_equals ? std::string() : fmt::format("use =: {} = {}", key, value);
+  return fmt::format("{}: {} = \"{}\"", has_equals ? "quote it" : "use = and quotes", key, value);
+}
+
+std::string_view line_of(std::string_view text, std::size_t number) {
+  ByteCursor lines(without_byte_order_mark(text));
+  while (const std::optional<std::string_view> line = lines.take_line()) {
+    if (lines.line() == number) return *line;
+  }
+  return {};
 }
 
 // What toml++ has no answer to: it walks down a dotted key by calling itself, so that a.a.a.a... would end the stack,
-// and looks some characters beyond ASCII up in a table that does not have them.
+// and looks some characters beyond ASCII up in a table that does not have them, unless they stand in quotes.
 Expected<void> check_text(std::string_view text, const std::string& where) {
   constexpr std::ptrdiff_t kMostDots = 1000;
   // Texts of several lines may hold anything that looks like a comment, and end in it; nobody needs one here.
@@ -91,14 +134,15 @@ Expected<void> check_text(std::string_view text, const std::string& where) {
       text.find("\"\"\"") != std::string_view::npos || text.find("'''") != std::string_view::npos;
   ByteCursor lines(without_byte_order_mark(text));
   while (const std::optional<std::string_view> line = lines.take_line()) {
-    const std::string_view said = has_long_texts ? *line : before_comment(*line);
+    const auto [before_comment, plain_is_ascii] = parts_of(*line);
+    const std::string_view said = has_long_texts ? *line : before_comment;
     const std::string at = fmt::format("{}:{}", where, lines.line());
     if (const auto dots = std::count(said.begin(), said.end(), '.'); dots > kMostDots) {
       return fail(ErrorCode::kConfig, fmt::format("expected at most {} dots in a line, found {}", kMostDots, dots), at);
     }
-    if (std::any_of(said.begin(), said.end(), [](char c) { return static_cast<unsigned char>(c) > 0x7F; })) {
-      return fail(ErrorCode::kConfig, "expected ASCII in front of comments, found other characters", at,
-                  "a robot of such a name is told by --set \"T_body_sensor.NAME=x y z qx qy qz qw\"");
+    if (has_long_texts ? !std::all_of(said.begin(), said.end(), is_ascii) : !plain_is_ascii) {
+      return fail(ErrorCode::kConfig, "expected ASCII outside quotes and comments, found other characters", at,
+                  "a robot of such a name stands in quotes: T_body_sensor.\"NAME\" = \"x y z qx qy qz qw\"");
     }
   }
   return {};
@@ -110,7 +154,9 @@ Expected<void> apply_config_text(std::string_view text, const std::string& where
   if (auto fit = check_text(text, where); !fit) return fit;
   const toml::parse_result parsed = toml::parse(text);
   if (!parsed) {
-    return fail(ErrorCode::kConfig, printable(parsed.error().description()), place(where, parsed.error().source()));
+    const toml::source_region& source = parsed.error().source();
+    return fail(ErrorCode::kConfig, printable(parsed.error().description()), place(where, source),
+                printable(meant_by(line_of(text, source.begin.line))));
   }
   for (const auto& [key, node] : parsed.table()) {
     if (key.str() != kSensorKey) {

@@ -4,6 +4,7 @@
 
 #include <charconv>
 #include <cmath>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -23,14 +24,20 @@ std::string_view take_word(std::string_view& text) {
   return word;
 }
 
-tl::unexpected<Error> refuse_pose(std::string_view name, const std::string& found) {
-  return fail(ErrorCode::kConfig, fmt::format("{}: expected x y z qx qy qz qw, found {}", name, found));
+tl::unexpected<Error> refuse_pose(std::string_view name, const std::string& found, std::string hint = {}) {
+  return fail(ErrorCode::kConfig, fmt::format("{}: expected x y z qx qy qz qw, found {}", name, found), {},
+              std::move(hint));
 }
 
 }  // namespace
 
 Expected<Pose3> pose_from_numbers(const std::vector<double>& numbers, std::string_view name) {
-  if (numbers.size() != 7) return refuse_pose(name, fmt::format("{} numbers", numbers.size()));
+  if (numbers.size() != 7) {
+    const bool is_matrix = numbers.size() == 12 || numbers.size() == 16;
+    return refuse_pose(
+        name, fmt::format("{} numbers", numbers.size()),
+        is_matrix ? "of a matrix, its last column x y z, then its rotation as a quaternion qx qy qz qw" : "");
+  }
   for (const double number : numbers) {
     if (!std::isfinite(number)) return refuse_pose(name, "a number that is not finite");
   }

@@ -19,6 +19,7 @@
 #include "apps/kilter/signals.h"
 #include "apps/kilter/simulate.h"
 #include "apps/kilter/terminal.h"
+#include "apps/kilter/whole_option.h"
 #include "apps/kilter/word_option.h"
 #include "kilter/base/parallel.h"
 #include "kilter/report/json_writer.h"
@@ -41,23 +42,6 @@ CLI::Validator within(double low, double high) {
     return fmt::format("expected a number from {} to {}, found \"{}\"", low, high, printable(text, 80));
   };
   return {check, ""};
-}
-
-// Adds an option that takes a whole number in [low, high]. CLI11 wraps negative numbers around and cuts large ones.
-template <typename Whole>
-CLI::Option* add_whole_option(CLI::App& app, const std::string& name, Whole& value, Whole low, Whole high,
-                              const std::string& about) {
-  const auto read = [name, &value, low, high](const std::string& text) {
-    Whole number{};
-    const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), number);
-    const bool is_whole = status == std::errc() && end == text.data() + text.size();
-    if (!is_whole || number < low || number > high) {
-      throw CLI::ValidationError(
-          name, fmt::format("expected a whole number from {} to {}, found \"{}\"", low, high, printable(text, 80)));
-    }
-    value = number;
-  };
-  return app.add_option_function<std::string>(name, read, about)->option_text("N");
 }
 
 std::string robot_of(const SimulateSummary& summary, const Fault& fault) {
