@@ -2,7 +2,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """`kilter simulate` from outside: layout, formats, repeatability, refusals, and that `check` sees what was planted."""
 
+import cmath
 import json
+import math
 import os
 import re
 import resource
@@ -70,6 +72,28 @@ class Simulate(unittest.TestCase):
         self.assertAlmostEqual(slip["size_m"], 0.4, delta=0.05)
         self.assertEqual((missed["kind"], missed["robot"], missed["against_robot"]), ("missed-closure", "b", "b"))
         self.assertAlmostEqual(missed["size_m"], 0.7, delta=0.05)
+
+    def test_faults_tell_which_way_the_map_is_off(self):
+        made = self.simulate("ways", "office", "--fault", "slip:a:0.4:0.5", "--fault", "frame-offset:b:0.5", *QUICK)
+        poses = {(side, robot): [[float(word) for word in line.split()[1:]] for line in
+                                 (made / side / robot / "poses.tum").read_text(encoding="utf-8").splitlines()]
+                 for side in ("mission", "truth") for robot in "ab"}
+
+        def headed(side: str, robot: str, scan: int) -> tuple[complex, complex]:
+            """Place in the plane, and the direction of the sensor's x axis there."""
+            x, y, _, qx, qy, qz, qw = poses[side, robot][scan]
+            return complex(x, y), complex(1 - 2 * (qy * qy + qz * qz), 2 * (qx * qy + qz * qw))
+
+        for fault in json.loads((made / "truth" / "faults.json").read_text(encoding="utf-8"))["faults"]:
+            self.assertAlmostEqual(math.hypot(*fault["shift_m"]), fault["size_m"], delta=0.01)
+            self.assertAlmostEqual(math.hypot(*fault["turn_rad"]), fault["size_rad"], delta=1e-9)
+            scan, against = (fault["robot"], fault["scan"]), (fault["against_robot"], fault["against_scan"])
+            (here, ahead), (there, ahead_there) = headed("mission", *scan), headed("mission", *against)
+            (true_here, true_ahead), (true_there, true_ahead_there) = headed("truth", *scan), headed("truth", *against)
+            turned = ahead_there / true_ahead_there
+            shift = here - (there + (true_here - true_there) * turned)
+            self.assertAlmostEqual(abs(shift - complex(*fault["shift_m"][:2])), 0, delta=0.01)
+            self.assertAlmostEqual(cmath.phase(ahead / (true_ahead * turned)), fault["turn_rad"][2], delta=0.005)
 
     def test_a_size_that_was_asked_for_and_missed_is_told(self):
         arguments = ("factory", "--scan-step", "1.5", "--columns", "36", "--seed", "2", "--replace", "-o", self.folder / "missed")

@@ -115,12 +115,32 @@ Expected<void> write_robot(const SimulatedMission& mission, std::size_t r, const
   return write_bytes(place, truth / "poses.tum", tum_text(robot.stamp_s, robot.T_world_sensor_true));
 }
 
+std::vector<double> numbers_of(const Eigen::Vector3d& vector) { return {vector.x(), vector.y(), vector.z()}; }
+
+// The motion along the world's axes that the fault made of a scan, as the map has the scan that it is compared with.
+struct Displacement {
+  Eigen::Vector3d shift_m;
+  Eigen::Vector3d turn_rad;
+};
+
+Displacement displacement_of(const SimulatedMission& mission, const Fault& fault) {
+  const SimulatedRobot& robot = mission.robots()[static_cast<std::size_t>(fault.robot)];
+  const SimulatedRobot& other = mission.robots()[static_cast<std::size_t>(fault.against_robot)];
+  const Pose3& T_world_scan = robot.T_world_sensor[fault.scan];
+  const Pose3 T_against_scan =
+      other.T_world_sensor_true[fault.against_scan].inverse() * robot.T_world_sensor_true[fault.scan];
+  const Pose3 T_world_belongs = other.T_world_sensor[fault.against_scan] * T_against_scan;
+  return {T_world_scan.translation_m() - T_world_belongs.translation_m(),
+          (T_world_scan * T_world_belongs.inverse()).log().tail<3>()};
+}
+
 }  // namespace
 
 std::string faults_json(const SimulatedMission& mission, const std::string& scene, std::uint64_t seed) {
   const auto name = [&](int robot) { return mission.robots()[static_cast<std::size_t>(robot)].name; };
   nlohmann::ordered_json faults = nlohmann::ordered_json::array();
   for (const Fault& fault : mission.faults()) {
+    const Displacement displacement = displacement_of(mission, fault);
     faults.push_back({{"kind", to_string(fault.kind)},
                       {"robot", name(fault.robot)},
                       {"scan", fault.scan},
@@ -128,7 +148,9 @@ std::string faults_json(const SimulatedMission& mission, const std::string& scen
                       {"against_robot", name(fault.against_robot)},
                       {"against_scan", fault.against_scan},
                       {"size_m", fault.size_m},
-                      {"size_rad", fault.size_rad}});
+                      {"size_rad", fault.size_rad},
+                      {"shift_m", numbers_of(displacement.shift_m)},
+                      {"turn_rad", numbers_of(displacement.turn_rad)}});
   }
   nlohmann::ordered_json document = {{"schema", kFaultsSchema}, {"scene", scene}, {"seed", seed}, {"faults", faults}};
   return document.dump(2) + "\n";
