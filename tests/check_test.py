@@ -190,6 +190,11 @@ class Output(CheckCase):
     def test_quiet_leaves_standard_error_empty(self):
         self.assertEqual(self.check("--quiet").stderr, "")
 
+    def test_a_tolerance_that_voxels_do_not_tell_is_noted(self):
+        below = "note: tolerance = 0.001 m is below what voxels of 0.2 m tell"
+        self.assertIn(below, self.check("--set", "tolerance=1 mm", "--set", "resolution=0.2").stderr)
+        self.assertNotIn("below what voxels", self.check("--set", "tolerance=0.02", "--set", "resolution=0.2").stderr)
+
     def test_more_jobs_than_processors_are_nothing_to_talk_about(self):
         allowed = os.sched_getaffinity(0)
         self.addCleanup(os.sched_setaffinity, 0, allowed)

@@ -257,6 +257,7 @@ void print_notes_before(const Job& job) {
   if (const auto note = note_on_unused_keys(job.mission, job.settings.check)) print_note(*note);
   for (const std::string& note : notes_on_keys_of_other_methods(job.settings.check)) print_note(note);
   if (const auto note = note_on_fine_voxels(job.settings.check.submap.occupancy)) print_note(*note);
+  if (const auto note = note_on_fine_tolerance(job.settings.check)) print_note(*note);
   for (const RobotLog& robot : job.mission.robots) {
     if (!robot.finished_submaps || robot.read_cells) continue;
     print_note(

@@ -18,4 +18,15 @@ std::optional<std::string> note_on_fine_voxels(const OccupancyOptions& options) 
       options.resolution_m, times, usual_m);
 }
 
+std::optional<std::string> note_on_fine_tolerance(const CheckOptions& options) {
+  constexpr double kTellable = 10.0;  // a tenth of a voxel
+  const double tolerance_m = options.judge.tolerance_m;
+  const double resolution_m = options.submap.occupancy.resolution_m;
+  if (options.judge.method == JudgeMethod::kGamma || kTellable * tolerance_m >= resolution_m) return std::nullopt;
+  return fmt::format(
+      "tolerance = {} m is below what voxels of {} m tell: few pairs will be decided; a finer resolution or a larger "
+      "tolerance is of more use",
+      tolerance_m, resolution_m);
+}
+
 }  // namespace kilter::app
