@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "kilter/io/log_from_files.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <memory>
 
@@ -17,16 +15,6 @@ namespace kilter {
 namespace {
 
 namespace fs = std::filesystem;
-
-// The first file whose number is not its neighbour's plus one: most likely a scan between them is gone.
-std::optional<std::size_t> find_gap(const std::vector<std::string>& files) {
-  const auto numbers = numbers_of_files(files);
-  for (std::size_t i = 1; numbers && i < files.size(); ++i) {
-    if ((*numbers)[i] <= (*numbers)[i - 1]) return std::nullopt;
-    if ((*numbers)[i] - (*numbers)[i - 1] > 1) return i;
-  }
-  return std::nullopt;
-}
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
@@ -64,23 +52,6 @@ std::optional<std::vector<std::uint64_t>> numbers_of_files(std::span<const std::
     numbers.push_back(*number);
   }
   return numbers;
-}
-
-tl::unexpected<Error> refuse_counts(const std::vector<std::string>& files, std::size_t poses, const fs::path& pose_file,
-                                    const fs::path& clouds) {
-  const std::string counts = fmt::format("{} poses in {}, but {} files in {}", poses, shown(pose_file.filename()),
-                                         files.size(), shown(clouds.filename()));
-  std::string missing;
-  if (poses < files.size()) {
-    missing = fmt::format("{} is the first without a pose", printable(files[poses], 80));
-  } else if (const auto gap = find_gap(files)) {
-    missing = fmt::format("the first missing one lies between {} and {}", printable(files[*gap - 1], 80),
-                          printable(files[*gap], 80));
-  } else {
-    missing = fmt::format("pose {} (the first being 0) is the first without a file", files.size());
-  }
-  return fail(ErrorCode::kCountMismatch, counts + "; " + missing, shown(pose_file),
-              "one pose per file, in the order of the files' names");
 }
 
 void read_from_files(RobotLog& log, std::vector<fs::path> paths) {

@@ -31,10 +31,4 @@ void read_from_files(RobotLog& log, std::vector<std::filesystem::path> paths);
 /// name has none there
 [[nodiscard]] std::optional<std::vector<std::uint64_t>> numbers_of_files(std::span<const std::string> names);
 
-/// Counts that differ: says both, and which is the first missing one.
-/// \param files  names of the clouds, in order
-[[nodiscard]] tl::unexpected<Error> refuse_counts(const std::vector<std::string>& files, std::size_t poses,
-                                                  const std::filesystem::path& pose_file,
-                                                  const std::filesystem::path& clouds);
-
 }  // namespace kilter

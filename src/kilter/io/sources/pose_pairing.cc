@@ -8,6 +8,7 @@
 #include <map>
 #include <optional>
 
+#include "kilter/io/count_mismatch.h"
 #include "kilter/io/file.h"
 #include "kilter/io/log_from_files.h"
 #include "kilter/io/sources/cloud_folder.h"
@@ -203,7 +204,7 @@ Expected<void> pair_by_count(const Pairing& pairing, std::vector<std::string>& n
       return {};
     }
   }
-  return refuse_counts(pairing.names, pairing.poses.T_world_cloud.size(), pairing.pose_file, pairing.folder);
+  return refuse_counts(pairing.names, pairing.poses, pairing.pose_file, pairing.folder);
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "kilter/io/cloud_file.h"
+#include "kilter/io/count_mismatch.h"
 #include "kilter/io/file.h"
 #include "kilter/io/log_from_files.h"
 #include "kilter/io/number_text.h"
@@ -110,7 +111,7 @@ Expected<RobotLog> open_robot_folder(const SourceRequest& request, std::vector<s
   auto poses = read_pose_file(*pose_file);
   if (!poses) return pass_up(poses.error());
   const std::size_t count = poses->T_world_cloud.size();
-  if (count != list->files.size()) return refuse_counts(list->files, count, *pose_file, clouds);
+  if (count != list->files.size()) return refuse_counts(list->files, *poses, *pose_file, clouds);
   if (auto ok = check_names(list->files, *poses, *pose_file); !ok) return pass_up(ok.error());
   note_oddities(*list, log.name, clouds.filename().string(), notes);
   take_stamps(log, *poses);
