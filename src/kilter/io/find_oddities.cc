@@ -92,19 +92,26 @@ std::vector<double> tilts_rad(const RobotLog& robot) {
   return tilts;
 }
 
-// How far differences between two lists of stamps spread: what all of them have in common is another clock. [s]
-double spread_s(std::span<const std::int64_t> a_ns, std::span<const std::int64_t> b_ns) {
+// How two lists of stamps of the same clouds differ.
+struct StampsApart {
+  double spread_s = 0.0;  // of the differences: what all of them have in common is another clock
+  bool meet = true;       // whether the times from their first to their last overlap
+};
+
+StampsApart apart(std::span<const std::int64_t> a_ns, std::span<const std::int64_t> b_ns) {
   std::vector<double> apart_s;
   for (std::size_t i = 0; i < a_ns.size(); ++i) apart_s.push_back(1e-9 * static_cast<double>(a_ns[i] - b_ns[i]));
   const auto [least, most] = std::minmax_element(apart_s.begin(), apart_s.end());
-  return *most - *least;
+  const auto [first_a, last_a] = std::minmax_element(a_ns.begin(), a_ns.end());
+  const auto [first_b, last_b] = std::minmax_element(b_ns.begin(), b_ns.end());
+  return {*most - *least, *first_a <= *last_b && *first_b <= *last_a};
 }
 
-// How far apart stamps of clouds, as the source or else their names have them, lie from those of their poses; absent
-// where only one of both is known. [s]
-std::optional<double> stamps_apart_s(const RobotLog& robot) {
+// Stamps of clouds, as the source or else their names have them, beside those of their poses; absent where only one of
+// both is known.
+std::optional<StampsApart> stamps_apart(const RobotLog& robot) {
   if (robot.T_world_cloud.empty() || robot.stamps_ns.size() != robot.T_world_cloud.size()) return std::nullopt;
-  if (robot.pose_stamps_ns.size() == robot.stamps_ns.size()) return spread_s(robot.stamps_ns, robot.pose_stamps_ns);
+  if (robot.pose_stamps_ns.size() == robot.stamps_ns.size()) return apart(robot.stamps_ns, robot.pose_stamps_ns);
   if (!robot.cloud_name) return std::nullopt;
   std::vector<StampText> named;
   for (std::size_t i = 0; i < robot.stamps_ns.size(); ++i) {
@@ -116,7 +123,7 @@ std::optional<double> stamps_apart_s(const RobotLog& robot) {
   if (!look_like_stamps(named)) return std::nullopt;
   const auto named_ns = to_nanoseconds(named, guess_unit(named));
   if (!named_ns) return std::nullopt;
-  return spread_s(*named_ns, robot.stamps_ns);
+  return apart(*named_ns, robot.stamps_ns);
 }
 
 std::string_view code_of(PoseReading reading) {
@@ -221,12 +228,20 @@ class Finder {
       intervals_s.push_back(1e-9 * static_cast<double>(robot_.stamps_ns[i] - robot_.stamps_ns[i - 1]));
     }
     if (intervals_s.empty()) return;
+    if (seen_.first_ns == seen_.last_ns) {
+      say("equal-stamps", fmt::format("all {} are {:.3f} s", robot_.stamps_ns.size(),
+                                      1e-9 * static_cast<double>(robot_.stamps_ns.front())));
+      return;
+    }
     const double usual_s = std::abs(median_of(intervals_s));
-    if (const auto apart_s = stamps_apart_s(robot_); apart_s && *apart_s > kIntervalsApart * usual_s) {
+    const std::optional<StampsApart> apart = stamps_apart(robot_);
+    if (apart && apart->spread_s > kIntervalsApart * usual_s) {
       say("stamps-differ",
           fmt::format("stamps of the clouds and of the poses they go with drift apart by {:.2f} s, where clouds come "
                       "every {:.2f} s",
-                      *apart_s, usual_s));
+                      apart->spread_s, usual_s));
+    } else if (apart && !apart->meet) {
+      say("other-clock", "stamps of the clouds and of the poses they go with have no time in common, but step alike");
     }
     const auto [least, most] = std::minmax_element(intervals_s.begin(), intervals_s.end());
     if (*least < 0.0) {

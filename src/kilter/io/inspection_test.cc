@@ -209,6 +209,8 @@ TEST(Inspect, TellsCloudsWhoseNamesAreOtherStampsThanTheirPoses) {
   EXPECT_EQ(codes(inspected({log})), Codes{});
   log.cloud_name = named([](int i) { return i + 7; });
   EXPECT_EQ(codes(inspected({log})), Codes{}) << "another clock, the same clouds";
+  log.cloud_name = named([](int i) { return i + 40; });
+  EXPECT_EQ(codes(inspected({log})), Codes{"other-clock"}) << "without a time in common";
   log.cloud_name = named([](int i) { return i < 5 ? i : i + 1; });
   EXPECT_EQ(codes(inspected({log})), Codes{"stamps-differ"});
   log.cloud_name = [](std::size_t i) { return fmt::format("{:06}.pcd", 2 * i); };
@@ -313,7 +315,11 @@ TEST(FindOddities, SeesTimeThatJumps) {
   EXPECT_EQ(*unordered.robots[0].first_ns, 0);
   EXPECT_EQ(*unordered.robots[0].last_ns, 900'000'000);
   log.stamps_ns.back() += 3'600'000'000'000;
-  EXPECT_EQ(codes(inspected({std::move(log)})), Codes{"time-jump"});
+  EXPECT_EQ(codes(inspected({log})), Codes{"time-jump"});
+  log.stamps_ns.assign(10, 1'700'000'000'000'000'000);
+  const Inspection equal = inspected({std::move(log)});
+  ASSERT_EQ(codes(equal), Codes{"equal-stamps"});
+  EXPECT_EQ(equal.oddities[0].found, "all 10 are 1700000000.000 s");
 }
 
 TEST(FindOddities, SeesPosesThatJumpOrStand) {

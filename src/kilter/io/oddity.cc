@@ -112,6 +112,17 @@ std::span<const OddityTopic> oddity_catalog() {
                   "the poses: a cloud or a pose is missing somewhere, and all behind it go with the wrong one.",
                   "remove what has no partner, or give poses with the clouds' stamps"},
       OddityTopic{
+          "other-clock",
+          "Clouds were paired with poses in order; their stamps, or those in their names, and those of the poses "
+          "have no time in common, though they step alike: two clocks, or one that begins at zero. Nothing is "
+          "wrong where the first pose is that of the first cloud, which stamps cannot tell here.",
+          "see that the first pose is the first cloud's, or write both stamps by one clock"},
+      OddityTopic{
+          "equal-stamps",
+          "All stamps of a robot are the same: they were not written, or with too few digits. What needs times, "
+          "such as pairing clouds with poses by them and pauses, cannot be had.",
+          "write the time of each cloud, with its decimals"},
+      OddityTopic{
           "far-robot",
           "A robot's poses lie far from those of all others, so none of its submaps can meet theirs. Most often "
           "its frame is its own, not the map's.",
