@@ -44,6 +44,26 @@ class PlantedFault(unittest.TestCase):
         self.assertEqual(result["system"]["verdict"], "consistent")
 
 
+    def test_a_robot_that_lies_off_as_a_whole_is_told_as_one(self):
+        poses = self.folder / "moved"
+        for robot, shift_m in (("a", 0.0), ("b", 0.5)):
+            (poses / robot).mkdir(parents=True)
+            rows = [line.split() for line in (self.folder / "truth" / robot / "poses.tum").read_text().splitlines()]
+            text = "".join(" ".join([row[0], str(float(row[1]) + shift_m), *row[2:]]) + "\n" for row in rows
+                           if row and not row[0].startswith("#"))
+            (poses / robot / "poses.tum").write_text(text)
+        status, result = self.check("moved-out", "--poses", poses)
+        self.assertEqual(status, 1)
+        self.assertEqual({pair["kind"] for pair in result["pairs"] if pair["verdict"] == "inconsistent"}, {"global"})
+        [frame] = result["system"]["frames"]
+        self.assertEqual((frame["target"], frame["source"]), ("a", "b"))
+        self.assertEqual(frame["agreeing"], frame["witnesses"])
+        self.assertAlmostEqual(frame["shift"][0], -0.5, delta=0.02)
+        self.assertAlmostEqual(frame["offset_m"], 0.5, delta=0.02)
+        slipped = self.check("slipped")[1]
+        self.assertEqual(slipped["system"]["frames"], [], "some pairs ask for a motion, and some for none")
+
+
 class StoreysThatLookAlike(unittest.TestCase):
     def test_under_their_right_poses_the_map_is_consistent_and_floors_are_not_held_against_ceilings(self):
         with tempfile.TemporaryDirectory() as scratch:

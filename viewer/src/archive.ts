@@ -57,6 +57,16 @@ export interface Pair {
   T_target_source_registered: Pose | null;
 }
 
+/** A robot whose map lies off another's as a whole, and what mends that: all of its poses moved in the world. */
+export interface Frame {
+  target: string;
+  source: string;
+  T_world_correction: Pose;
+  shift: [number, number, number]; // of the middle of what those pairs saw, world axes
+  agreeing: number;
+  witnesses: number;
+}
+
 export interface Result {
   version: string;
   config: Record<string, unknown>;
@@ -68,7 +78,9 @@ export interface Result {
     verdict: "consistent" | "inconsistent" | "undetermined";
     reason: string;
     certificate_m: number | null;
+    certificate_of?: [string, string] | null; // absent from archives of older programs, as `frames` is
     certificate_excludes: [string, string][];
+    frames?: Frame[];
     tested: number;
     inconsistent: number;
     unverified: number;

@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The answer, before anything else.
 import { bentInside } from "./advice.js";
-import type { Kind, Result, Verdict } from "./archive.js";
+import type { Frame, Kind, Result, Verdict } from "./archive.js";
 import { byId, element } from "./dom.js";
-import { centimetres, sentence } from "./words.js";
+import { centimetres, rotation, sentence } from "./words.js";
 
 const kKinds: [Kind, string][] = [
   ["sequential", "one after the other"],
@@ -22,11 +22,12 @@ const kHeadline = {
 } as const;
 
 function certificate(result: Result): string {
-  const { certificate_m, certificate_excludes } = result.system;
+  const { certificate_m, certificate_of, certificate_excludes } = result.system;
   if (certificate_m === null) return "Nothing can be certified about the whole map at 95 %.";
   // Rounded down it would claim more than was shown, as 0.00 m would of two copies of one robot.
   const atMost = Math.max(0.01, Math.ceil(100 * certificate_m - 1e-9) / 100);
   let text = `Certified at 95 %: consistent to ${atMost.toFixed(2)} m`;
+  if (certificate_of) text += ` (bounded by ${certificate_of.join(" with ")})`;
   const count = certificate_excludes.length;
   if (count > 0) {
     const [target, source] = certificate_excludes[0]!;
@@ -38,6 +39,24 @@ function certificate(result: Result): string {
     if (wrong > 0) text += `; ${wrong} of these ${wrong === 1 ? "is" : "are"} inconsistent`;
   }
   return `${text}.`;
+}
+
+const kLeastTurn_deg = 0.05; // as people are told
+const kMostlyUpright = 0.9; // of a turn's axis
+
+/** What mends a robot that lies off another as a whole. */
+export function frameInWords(frame: Frame): string {
+  const turn = rotation(frame.T_world_correction);
+  const sine = Math.hypot(turn.x, turn.y, turn.z);
+  const angle_deg = (2 * Math.atan2(sine, Math.abs(turn.w)) * 180) / Math.PI;
+  const up = sine > 0 ? (Math.sign(turn.w || 1) * turn.z) / sine : 0;
+  const shift = frame.shift.map((m, k) => `${"xyz"[k]}${m < 0 ? "-" : "+"}${Math.round(Math.abs(100 * m))}`).join(" ");
+  let turned = "";
+  if (angle_deg >= kLeastTurn_deg) {
+    const by = `by ${angle_deg.toFixed(1)}°`;
+    turned = Math.abs(up) < kMostlyUpright ? ` and all tilted ${by}` : ` and all turned ${by} to the ${up > 0 ? "left" : "right"}`;
+  }
+  return `${frame.source} lies off ${frame.target} as a whole: with its middle moved ${shift} cm in world axes${turned} it would meet ${frame.target} in ${frame.agreeing} of ${frame.witnesses} pairs. Look at how the two were brought into one frame before any single link.`;
 }
 
 /** Every two robots as people read them, by their key: a key cannot be taken apart, for names may hold commas. */
@@ -115,6 +134,7 @@ export function showVerdict(result: Result): void {
       "div",
       { class: "why" },
       element("p", {}, element("b", {}, `${sentence(result.system.reason)}.`), ` What you can live with: ${centimetres(tolerance)}.${bends(result)}`),
+      ...(result.system.frames ?? []).map((frame) => element("p", {}, frameInWords(frame))),
       element("p", {}, certificate(result)),
       element("p", { class: "quiet" }, `${decided(result)} ${robots(result)}${left > 0 ? ` ${left} more pairs overlap too little to be tested.` : ""}`),
     ),

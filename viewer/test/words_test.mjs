@@ -8,7 +8,7 @@ import { readFileSync } from "node:fs";
 import { join } from "node:path";
 import { modules, root } from "./bundle.mjs";
 
-const { action, bentInside, commonBeginning, correctionOpen, cure, isUsualAlone, meetingsInWords, parts, partsOfName, shift, shortened, State, toMend, wouldFit } = await modules("advice", "names", "state", "verdict", "words");
+const { action, bentInside, commonBeginning, correctionOpen, cure, frameInWords, isUsualAlone, meetingsInWords, parts, partsOfName, shift, shortened, State, toMend, wouldFit } = await modules("advice", "names", "state", "verdict", "words");
 
 function test(name, body) {
   let error = null;
@@ -286,4 +286,13 @@ test("every phrase that the program puts into such a reason is among them", () =
     const pattern = new RegExp(phrase.split(/\{[^}]*\}/).map(escaped).join(".*"));
     assert.ok(kReasons.some(([reason]) => pattern.test(reason)), phrase);
   }
+});
+
+test("a robot that lies off another as a whole is told with shift and turn", () => {
+  const frame = { target: "a", source: "b", T_world_correction: [0, 0, 0, 0, 0, 0, 1], shift: [-0.09, 0.384, 0.001], agreeing: 41, witnesses: 42 };
+  assert.match(frameInWords(frame), /^b lies off a as a whole: with its middle moved x-9 y\+38 z\+0 cm in world axes it would meet a in 41 of 42 pairs/);
+  const turned = (x, z) => frameInWords({ ...frame, T_world_correction: [0, 0, 0, x, 0, z, Math.sqrt(1 - x * x - z * z)] });
+  assert.match(turned(0, -0.01), /and all turned by 1\.1° to the right/);
+  assert.match(turned(0, 0.01), /and all turned by 1\.1° to the left/);
+  assert.match(turned(0.01, 0.002), /and all tilted by 1\.2°/);
 });

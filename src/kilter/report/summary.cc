@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 
 #include "kilter/base/expected.h"
+#include "kilter/report/frame_words.h"
 #include "kilter/report/text_lines.h"
 #include "kilter/report/unverified_causes.h"
 #include "kilter/report/worst_pairs.h"
@@ -73,6 +74,10 @@ void add_certificate(Lines& lines, const Result& result) {
   }
   if (system.certificate_m) {
     text = fmt::format("consistent to {:.2f} m at 95 %", to_centimetres_above(*system.certificate_m));
+    if (system.certificate_of) {
+      text += fmt::format(" (bounded by {} with {})", printable(result.submap(system.certificate_of->target).name, 20),
+                          printable(result.submap(system.certificate_of->source).name, 20));
+    }
     if (!system.certificate_excludes.empty()) {
       const PairId first = system.certificate_excludes.front();
       const std::size_t wrong = inconsistent_among(result, system.certificate_excludes);
@@ -267,6 +272,17 @@ std::string next_step(const Result& result, const SummaryOptions& options, bool 
   return {};
 }
 
+void add_frames(Lines& lines, const Result& result) {
+  constexpr std::size_t kMost = 2;
+  for (std::size_t i = 0; i < std::min(result.frames.size(), kMost); ++i) {
+    std::string words = frame_words(result, result.frames[i]);
+    if (i + 1 == kMost && result.frames.size() > kMost) {
+      words += fmt::format("; {} more in result.json", result.frames.size() - kMost);
+    }
+    add_labelled(lines, "Frames", words, 2);
+  }
+}
+
 }  // namespace
 
 std::string summary(const Result& result, const SummaryOptions& options) {
@@ -279,6 +295,7 @@ std::string summary(const Result& result, const SummaryOptions& options) {
   add_reasons(lines, result);
   const std::vector<std::string> never = robots_that_never_meet(result);
   if (!never.empty()) add_labelled(lines, "Never meet", fmt::format("{}", fmt::join(never, "; ")), 1);
+  add_frames(lines, result);
   const Lines worst = worst_pair_lines(result, options.papers_test, kWidth);
   lines.insert(lines.end(), worst.begin(), worst.end());
   add_labelled(lines, "Next", next_step(result, options, !never.empty()), 4);

@@ -21,7 +21,7 @@ struct SummaryOptions {
   std::string odd;                           ///< of the input, that comes before all else: "millimetres of robot a"
 };
 
-inline constexpr int kSummaryLines = 26;     ///< at most
+inline constexpr int kSummaryLines = 30;     ///< at most
 inline constexpr int kSummaryColumns = 100;  ///< at most, colour codes not counted
 
 /// The result as a person reads it at the end of a run: plain text, the verdict first, then what it rests on, the five

@@ -21,7 +21,7 @@ namespace {
 constexpr std::array kKinds = {PairKind::kSequential, PairKind::kLocal, PairKind::kGlobal};
 
 // A turn is told as one to the left or right where its axis is no farther than 30 degrees from the vertical.
-const double kMostlyUpright = std::cos(std::numbers::pi / 6.0);
+constexpr double kMostlyUpright = std::numbers::sqrt3 / 2.0;
 
 std::string probability_text(std::optional<double> p) {
   if (!p) return "-";
