@@ -42,7 +42,7 @@ function certificate(result: Result): string {
 }
 
 const kLeastTurn_deg = 0.05; // as people are told
-const kMostlyUpright = 0.9; // of a turn's axis
+const kMostlyUpright = Math.sqrt(3) / 2; // of a turn's axis: within 30 degrees
 
 /** What mends a robot that lies off another as a whole. */
 export function frameInWords(frame: Frame): string {

@@ -13,7 +13,7 @@ namespace kilter {
 namespace {
 
 constexpr double kLeastTurn_deg = 0.05;  // as people are told
-constexpr double kMostlyUpright = 0.9;   // of a turn's axis
+constexpr double kMostlyUpright = std::numbers::sqrt3 / 2.0;  // of a turn's axis: within 30 degrees
 
 std::string turn_words(const Pose3& T) {
   const Eigen::Vector3d turn_deg = T.log().tail<3>() * 180.0 / std::numbers::pi;
