@@ -28,7 +28,7 @@ std::string turn_words(const Pose3& T) {
 
 std::string frame_words(const Result& result, const FrameOffset& frame) {
   const auto name = [&](int robot) { return printable(result.robots[static_cast<std::size_t>(robot)].name, 24); };
-  const Eigen::Vector3d shift_cm = 100.0 * frame.shift_m;
+  const Eigen::Vector3d shift_cm = (100.0 * frame.shift_m).array().round() + 0.0;  // and no -0
   return fmt::format(
       "{} as a whole, its middle shifted by x{:+.0f} y{:+.0f} z{:+.0f} cm in world axes{}, would meet {} "
       "in {} of {} pairs",
