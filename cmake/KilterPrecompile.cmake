@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: The kilter authors
 # SPDX-License-Identifier: BSD-3-Clause
-# Outside headers that most sources include, compiled once instead of for each: two fifths of a build from nothing. Only
-# where nothing else spares it, since ccache finds fewer files again behind such headers; and not in the presets for
-# daily work and for checks, which so see what a source forgets to include.
+# Outside headers that most sources include, compiled once instead of for each: over a third of the time that a source
+# takes. Only where nothing else spares it, since ccache finds fewer files again behind such headers; and not in the
+# presets for daily work and for checks, which so see what a source forgets to include.
 option(KILTER_PRECOMPILE "Compile the most used outside headers once" OFF)
 if(CMAKE_CXX_COMPILER_LAUNCHER)
   set(KILTER_PRECOMPILE OFF)
