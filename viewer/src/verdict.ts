@@ -50,7 +50,8 @@ export function frameInWords(frame: Frame): string {
   const sine = Math.hypot(turn.x, turn.y, turn.z);
   const angle_deg = (2 * Math.atan2(sine, Math.abs(turn.w)) * 180) / Math.PI;
   const up = sine > 0 ? (Math.sign(turn.w || 1) * turn.z) / sine : 0;
-  const shift = frame.shift.map((m, k) => `${"xyz"[k]}${m < 0 ? "-" : "+"}${Math.round(Math.abs(100 * m))}`).join(" ");
+  const inWords = (cm: number, k: number) => `${"xyz"[k]}${cm < 0 ? "-" : "+"}${Math.abs(cm)}`;
+  const shift = frame.shift.map((m) => Math.round(100 * m)).map(inWords).join(" ");
   let turned = "";
   if (angle_deg >= kLeastTurn_deg) {
     const by = `by ${angle_deg.toFixed(1)}°`;

@@ -289,7 +289,7 @@ test("every phrase that the program puts into such a reason is among them", () =
 });
 
 test("a robot that lies off another as a whole is told with shift and turn", () => {
-  const frame = { target: "a", source: "b", T_world_correction: [0, 0, 0, 0, 0, 0, 1], shift: [-0.09, 0.384, 0.001], agreeing: 41, witnesses: 42 };
+  const frame = { target: "a", source: "b", T_world_correction: [0, 0, 0, 0, 0, 0, 1], shift: [-0.09, 0.384, -0.001], agreeing: 41, witnesses: 42 };
   assert.match(frameInWords(frame), /^b lies off a as a whole: with its middle moved x-9 y\+38 z\+0 cm in world axes it would meet a in 41 of 42 pairs/);
   const turned = (x, z) => frameInWords({ ...frame, T_world_correction: [0, 0, 0, x, 0, z, Math.sqrt(1 - x * x - z * z)] });
   assert.match(turned(0, -0.01), /and all turned by 1\.1° to the right/);
