@@ -4,23 +4,21 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
 #include <numbers>
 
 #include "kilter/base/expected.h"
+#include "kilter/report/upright_turn.h"
 
 namespace kilter {
 namespace {
 
 constexpr double kLeastTurn_deg = 0.05;  // as people are told
-constexpr double kMostlyUpright = std::numbers::sqrt3 / 2.0;  // of a turn's axis: within 30 degrees
 
 std::string turn_words(const Pose3& T) {
   const Eigen::Vector3d turn_deg = T.log().tail<3>() * 180.0 / std::numbers::pi;
   const double angle_deg = turn_deg.norm();
   if (angle_deg < kLeastTurn_deg) return {};
-  if (std::abs(turn_deg.z()) < kMostlyUpright * angle_deg)
-    return fmt::format(" and all tilted by {:.1f} deg", angle_deg);
+  if (!is_mostly_upright(turn_deg)) return fmt::format(" and all tilted by {:.1f} deg", angle_deg);
   return fmt::format(" and all turned by {:+.1f} deg", turn_deg.z());
 }
 

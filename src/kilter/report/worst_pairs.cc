@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <numbers>
 #include <optional>
 #include <tuple>
@@ -14,14 +13,12 @@
 #include "kilter/base/contract.h"
 #include "kilter/base/expected.h"
 #include "kilter/report/text_lines.h"
+#include "kilter/report/upright_turn.h"
 
 namespace kilter {
 namespace {
 
 constexpr std::array kKinds = {PairKind::kSequential, PairKind::kLocal, PairKind::kGlobal};
-
-// A turn is told as one to the left or right where its axis is no farther than 30 degrees from the vertical.
-constexpr double kMostlyUpright = std::numbers::sqrt3 / 2.0;
 
 std::string probability_text(std::optional<double> p) {
   if (!p) return "-";
@@ -56,9 +53,9 @@ std::string turn_text(const Result& result, const PairResult& pair, bool papers_
   const std::string text = fmt::format("{:.1f} deg", degrees);
   const std::optional<Eigen::Vector3d> turn_rad = offset_rotation_rad(pair);
   if (!turn_rad || degrees < 0.05 || !is_known(pair.verdict, papers_test)) return text;
-  const double left_rad = (result.submap(pair.id.target).T_world_submap.rotation() * *turn_rad).z();
-  if (std::abs(left_rad) < kMostlyUpright * turn_rad->norm() || left_rad == 0.0) return text;
-  return (left_rad > 0.0 ? '+' : '-') + text;
+  const Eigen::Vector3d turn_world_rad = result.submap(pair.id.target).T_world_submap.rotation() * *turn_rad;
+  if (!is_mostly_upright(turn_world_rad)) return text;
+  return (turn_world_rad.z() > 0.0 ? '+' : '-') + text;
 }
 
 std::string shift_text(const Result& result, const PairResult& pair, bool papers_test) {
